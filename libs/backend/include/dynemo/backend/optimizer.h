@@ -1,0 +1,65 @@
+// Sparse non-linear least squares over a scene graph: Levenberg–Marquardt with a sparse Cholesky factorisation.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "dynemo/core/error.h"
+#include "dynemo/core/fields.h"
+#include "dynemo/core/noise.h"
+#include "dynemo/graph/scene_graph.h"
+
+namespace dynemo {
+
+struct SolverParams {
+  int max_iterations = 50;
+  /// Stop when an accepted step lowers the cost by less than this fraction.
+  double min_relative_decrease = 1e-6;
+  /// Stop when no tangent entry moves by more than this [m, rad].
+  double min_step = 1e-9;
+  double initial_lambda = 1e-6;
+};
+void fields(FieldVisitor& v, SolverParams& p);
+
+enum class StopReason { kNothingToDo, kConverged, kSmallStep, kMaxIterations, kNoDecrease, kNumericalFailure };
+const char* stopReasonName(StopReason reason);
+
+/// What one optimisation did; born pessimistic.
+struct OptimizationReport {
+  StopReason stop = StopReason::kNumericalFailure;
+  int iterations = 0;           ///< accepted steps
+  int factorizations = 0;
+  double cost_before = 0.0, cost_after = 0.0;  ///< F = ½ Σ ρ(eᵀΩe)
+  std::size_t nodes = 0, edges = 0, tangent_size = 0;
+  double ordering_ms = 0, symbolic_ms = 0, linearize_ms = 0, numeric_ms = 0, solve_ms = 0, total_ms = 0;
+  std::string message;          ///< why it failed, naming the node or edge; empty otherwise
+  bool usable() const { return stop != StopReason::kNumericalFailure; }
+};
+
+/// Keeps what it can between calls (ordering, symbolic factor). Not thread-safe; use one per graph.
+class Optimizer {
+ public:
+  explicit Optimizer(const SolverParams& params);
+  ~Optimizer();
+  Optimizer(Optimizer&&) noexcept;
+  Optimizer& operator=(Optimizer&&) noexcept;
+
+  /// Minimises the graph's cost from its current estimates and writes the result back; on failure the estimates
+  /// stay as they were. Nodes without edges are left alone; a free gauge is held by the damping.
+  OptimizationReport optimize(CSceneGraph& graph);
+
+  /// Joint marginal covariance of the nodes' tangents at the current estimates, stacked in the order given. The
+  /// failure says why, e.g. that the gauge is free.
+  Expected<MatrixX, std::string> marginalCovariance(const CSceneGraph& graph, std::span<const NodeId> nodes);
+
+  /// The diagonal blocks only, for many nodes at once, in the order given.
+  Expected<std::vector<MatrixX>, std::string> marginalBlocks(const CSceneGraph& graph, std::span<const NodeId> nodes);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dynemo

@@ -1,0 +1,31 @@
+// Text output that is either complete or absent, and that notices a full disk.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+namespace dynemo {
+
+/// A file that grows while the run goes on; each line is flushed, so an interrupted run leaves what it had.
+class AppendFile {
+ public:
+  AppendFile() = default;
+  /// Creates or truncates the file. Throws DataError when it cannot be opened.
+  explicit AppendFile(const std::filesystem::path& file);
+  /// Throws DataError when the line cannot be written (e.g. the disk is full).
+  void line(const std::string& text);
+
+ private:
+  std::filesystem::path file_;
+  std::ofstream out_;
+};
+
+/// Replaces `file` by `content` in one step (a temporary file beside it, renamed). Throws DataError, leaving an
+/// earlier version in place, when it cannot be written.
+void writeFileAtomically(const std::filesystem::path& file, const std::string& content);
+
+/// Shortest decimal text that reads back as the same double.
+std::string exactNumber(double value);
+
+}  // namespace dynemo

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "dynemo/core/noise.h"
+#include "dynemo/graph/scene_graph.h"
+
+namespace dynemo {
+
+/// One processed frame.
+struct FramePose {
+  Stamp stamp;
+  Pose3 T_odom_base;
+  Pose3 T_map_base;  ///< optimised
+};
+
+/// Everything a finished (or interrupted) run hands to the exporters. Not owned: valid while the pipeline is.
+struct RunResult {
+  const CSceneGraph& graph;
+  const std::vector<FramePose>& frames;
+  /// Marginal covariance of entity nodes' tangents, where computed.
+  const std::map<NodeId, Matrix6>& entity_covariances;
+};
+
+}  // namespace dynemo

@@ -1,0 +1,141 @@
+#include "dynemo/graph/scene_graph.h"
+
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "archive.h"
+
+using mrpt::serialization::CArchive;
+
+IMPLEMENTS_SERIALIZABLE(CSceneGraph, CSerializable, dynemo)
+
+namespace dynemo {
+
+void CSceneGraph::apply(const GraphDelta& delta) {
+  for (const EdgeId id : delta.removed_edges) removeEdge(id);
+  for (const auto& node : delta.nodes) insertNode(node);
+  for (const auto& edge : delta.edges) insertEdge(edge);
+}
+
+void CSceneGraph::insertNode(const CNodeBase::Ptr& node) {
+  if (node->id != nextNodeId()) throw std::logic_error("a new node's id must continue the graph's");
+  nodes_.push_back(node);
+  edges_of_node_.emplace_back();
+  ++node_count_;
+  if (auto keyframe = std::dynamic_pointer_cast<CNodeKeyframe>(node)) {
+    keyframes_.push_back(std::move(keyframe));
+  } else if (auto floor = std::dynamic_pointer_cast<CNodeFloor>(node)) {
+    floors_.push_back(std::move(floor));
+  } else if (auto entity = std::dynamic_pointer_cast<CNodeEntity>(node)) {
+    auto& track = tracks_[entity->entity];
+    track.push_back(std::move(entity));
+  }
+}
+
+void CSceneGraph::insertEdge(const CEdgeBase::Ptr& edge) {
+  if (edge->id != nextEdgeId()) throw std::logic_error("a new edge's id must continue the graph's");
+  if (edge->nodes.empty()) throw std::logic_error("an edge without nodes");
+  for (const NodeId node : edge->nodes) {
+    if (node.value >= nodes_.size() || !nodes_[node.value]) {
+      throw std::logic_error(std::string(edge->kind()) + " edge names a node that is not in the graph");
+    }
+  }
+  edges_.push_back(edge);
+  ++edge_count_;
+  for (const NodeId node : edge->nodes) edges_of_node_[node.value].push_back(edge->id);
+  topology_.insertEdge(edge->nodes.front().value, edge->nodes.back().value, Topology::edge_t(EdgeHolder{edge}));
+}
+
+void CSceneGraph::removeEdge(EdgeId id) {
+  const auto edge = id.value < edges_.size() ? edges_[id.value] : nullptr;
+  if (!edge) throw std::logic_error("an edge to remove is not in the graph");
+  for (const NodeId node : edge->nodes) std::erase(edges_of_node_[node.value], id);
+  const auto [first, last] =
+      topology_.edges.equal_range(mrpt::graphs::TPairNodeIDs(edge->nodes.front().value, edge->nodes.back().value));
+  for (auto it = first; it != last; ++it) {
+    if (it->second.edge != edge) continue;
+    topology_.edges.erase(it);
+    break;
+  }
+  edges_[id.value].reset();
+  --edge_count_;
+}
+
+const CNodeEntity* CSceneGraph::lastObservation(EntityId entity) const {
+  const auto it = tracks_.find(entity);
+  return it == tracks_.end() || it->second.empty() ? nullptr : it->second.back().get();
+}
+
+const std::vector<EdgeId>& CSceneGraph::edgesOf(NodeId node) const { return edges_of_node_.at(node.value); }
+
+double CSceneGraph::edgeCost(const CEdgeBase& edge) const {
+  std::array<std::array<double, 16>, kMaxEdgeNodes> states;
+  std::array<const double*, kMaxEdgeNodes> pointers{};
+  for (std::size_t i = 0; i < edge.nodes.size(); ++i) {
+    nodes_.at(edge.nodes[i].value)->readState(states[i].data());
+    pointers[i] = states[i].data();
+  }
+  Residual e;
+  edge.evaluate(std::span(pointers.data(), edge.nodes.size()), e, nullptr);
+  return 0.5 * edge.kernel((edge.sqrtInformation() * e).squaredNorm()).rho;
+}
+
+double CSceneGraph::totalCost() const {
+  double cost = 0.0;
+  for (const auto& edge : edges_) {
+    if (edge) cost += edgeCost(*edge);
+  }
+  return cost;
+}
+
+std::uint8_t CSceneGraph::serializeGetVersion() const { return 0; }
+
+void CSceneGraph::serializeTo(CArchive& out) const {
+  put(out, T_map_odom);
+  const auto write = [&out](const auto& slots) {
+    out.WriteAs<std::uint32_t>(slots.size());
+    for (const auto& slot : slots) {
+      out << static_cast<bool>(slot);
+      if (slot) out << *slot;
+    }
+  };
+  write(nodes_);
+  write(edges_);
+}
+
+void CSceneGraph::serializeFrom(CArchive& in, std::uint8_t version) {
+  if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
+  *this = CSceneGraph();
+  get(in, T_map_odom);
+  const auto read = [&in](auto insert, auto skip) {
+    const std::uint32_t n = getLength(in, 1'000'000'000);
+    for (std::uint32_t i = 0; i < n; ++i) {
+      if (in.ReadAs<bool>()) {
+        insert(in.ReadObject());
+      } else {
+        skip();
+      }
+    }
+  };
+  read(
+      [this](const auto& object) {
+        auto node = std::dynamic_pointer_cast<CNodeBase>(object);
+        if (!node) throw DataError("a stored node is not a node");
+        insertNode(node);
+      },
+      [this] {
+        nodes_.emplace_back();
+        edges_of_node_.emplace_back();
+      });
+  read(
+      [this](const auto& object) {
+        auto edge = std::dynamic_pointer_cast<CEdgeBase>(object);
+        if (!edge) throw DataError("a stored edge is not an edge");
+        insertEdge(edge);
+      },
+      [this] { edges_.emplace_back(); });
+}
+
+}  // namespace dynemo
