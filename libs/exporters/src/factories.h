@@ -1,0 +1,23 @@
+// The exporters of this library; each is implemented in the file of its name.
+#pragma once
+
+#include <memory>
+
+#include "dynemo/exporters/exporter.h"
+
+namespace dynemo {
+
+/// trajectory.tum: T_map_base of every frame, optimised.
+std::unique_ptr<Exporter> makeTrajectoryExporter();
+/// keyframes.tum: T_map_base of every keyframe, optimised.
+std::unique_ptr<Exporter> makeKeyframesExporter();
+/// odometry.tum: T_odom_base of every frame, as measured.
+std::unique_ptr<Exporter> makeOdometryExporter();
+/// entities.csv: one row per entity node.
+std::unique_ptr<Exporter> makeEntitiesExporter();
+/// graph.g2o: the poses of keyframes and entities with the relative-pose edges between them.
+std::unique_ptr<Exporter> makeG2oExporter();
+/// graph.graph: the keyframes' pose graph for MRPT's graph-slam.
+std::unique_ptr<Exporter> makeMrptGraphExporter();
+
+}  // namespace dynemo

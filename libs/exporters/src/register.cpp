@@ -1,0 +1,19 @@
+#include "factories.h"
+
+namespace dynemo {
+
+const ExporterRegistry& exporters() {
+  static const ExporterRegistry registry = [] {
+    ExporterRegistry r("output");
+    r.add("trajectory", makeTrajectoryExporter);
+    r.add("keyframes", makeKeyframesExporter);
+    r.add("odometry", makeOdometryExporter);
+    r.add("entities", makeEntitiesExporter);
+    r.add("g2o", makeG2oExporter);
+    r.add("graph", makeMrptGraphExporter);
+    return r;
+  }();
+  return registry;
+}
+
+}  // namespace dynemo
