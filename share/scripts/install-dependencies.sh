@@ -1,0 +1,77 @@
+#!/usr/bin/env bash
+# Installs the Debian 12 packages this project is built from. Safe to repeat: what is installed is left alone.
+set -euo pipefail
+
+usage() {
+  cat <<EOF
+Usage: install-dependencies.sh [--check]
+  --check  install nothing; succeed when every package is installed, else list the missing ones
+EOF
+}
+
+build_tools=(g++ cmake ninja-build ccache)
+libraries=(
+  libmrpt-maps-dev # with it: obs, graphs, opengl, poses, math, img, io, system and what these stand on
+  libeigen3-dev
+  libopencv-dev # the one package with OpenCVConfig.cmake
+  libapriltag-dev
+  libsuitesparse-dev
+  libopenblas-dev
+  libboost-dev
+  libyaml-cpp-dev
+  nlohmann-json3-dev
+  libcli11-dev
+  libexpected-dev
+)
+test_libraries=(libgtest-dev libbenchmark-dev libceres-dev)
+packages=("${build_tools[@]}" "${libraries[@]}" "${test_libraries[@]}")
+
+fail() {
+  echo "install-dependencies.sh: $*" >&2
+  exit 1
+}
+
+missing_packages() {
+  local package
+  for package in "${packages[@]}"; do
+    [[ $(dpkg-query -W -f '${db:Status-Abbrev}' "$package" 2>/dev/null) == ii* ]] || echo "$package"
+  done
+}
+
+as_root() {
+  if [[ $EUID -eq 0 ]]; then
+    "$@"
+  elif command -v sudo >/dev/null; then
+    sudo "$@"
+  else
+    fail "packages are missing and neither root rights nor sudo are available"
+  fi
+}
+
+check_only=false
+case "${1:-}" in
+  "") ;;
+  --check) check_only=true ;;
+  -h | --help)
+    usage
+    exit 0
+    ;;
+  *)
+    usage >&2
+    exit 2
+    ;;
+esac
+
+command -v apt-get >/dev/null && command -v dpkg-query >/dev/null ||
+  fail "this system has no apt-get; the packages of Debian 12 are needed: ${packages[*]}"
+
+mapfile -t missing < <(missing_packages)
+if [[ ${#missing[@]} -eq 0 ]]; then
+  echo "All ${#packages[@]} packages are installed."
+  exit 0
+fi
+echo "Missing packages: ${missing[*]}"
+$check_only && exit 1
+
+as_root apt-get update
+as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
