@@ -1,0 +1,57 @@
+#include <cstdio>
+#include <ostream>
+
+#include "dynemo/backend/g2o_io.h"
+#include "dynemo/graph/edge_prior.h"
+#include "dynemo/graph/edge_relative_pose.h"
+#include "g2o_information.h"
+
+namespace dynemo {
+namespace {
+
+std::string numberText(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof(buffer), " %.17g", value);
+  return buffer;
+}
+
+std::string poseText(const Pose3& T) {
+  const Eigen::Quaterniond q = T.quaternion();
+  std::string text;
+  for (const double v : {T.t.x(), T.t.y(), T.t.z(), q.x(), q.y(), q.z(), q.w()})
+    text += numberText(v);
+  return text;
+}
+
+std::string informationText(const Matrix6& information) {
+  const Matrix6 m = toG2oInformation(information);
+  std::string text;
+  for (int r = 0; r < 6; ++r)
+    for (int c = r; c < 6; ++c) text += numberText(m(r, c));
+  return text;
+}
+
+}  // namespace
+
+void writeG2o(std::ostream& out, const CSceneGraph& graph, const G2oWriteOptions& options) {
+  const auto written = [&](NodeId id) {
+    return graph.findNode<CNodeKeyframe>(id) ||
+           (options.entities && graph.findNode<CNodeEntity>(id));
+  };
+  for (const auto& node : graph.nodeSlots()) {
+    if (!node || !written(node->id)) continue;
+    const auto& pose = static_cast<const CNodePose&>(*node);
+    out << "VERTEX_SE3:QUAT " << node->id << poseText(pose.T_map_node) << '\n';
+  }
+  for (const auto& edge : graph.edgeSlots()) {
+    if (!edge || !written(edge->nodes.front()) || !written(edge->nodes.back())) continue;
+    if (dynamic_cast<const CEdgePosePrior*>(edge.get())) {
+      out << "FIX " << edge->nodes[0] << '\n';
+    } else if (const auto* relative = dynamic_cast<const CEdgeRelativePose*>(edge.get())) {
+      out << "EDGE_SE3:QUAT " << edge->nodes[0] << ' ' << edge->nodes[1]
+          << poseText(relative->T_1_2) << informationText(edge->information()) << '\n';
+    }
+  }
+}
+
+}  // namespace dynemo

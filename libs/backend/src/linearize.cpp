@@ -1,0 +1,168 @@
+#include "linearize.h"
+
+#include <array>
+#include <cmath>
+
+namespace dynemo::backend {
+namespace {
+
+using Place = BlockStructure::Target::Place;
+using Pointers = std::array<const double*, kMaxEdgeNodes>;
+
+/// Blocks are scaled by √ρ' and U, so that the sums need products of them only.
+struct WhitenedFactor {
+  Residual e;
+  Jacobians J;
+};
+
+std::span<const double* const> statePointers(const Problem& problem, int factor,
+                                             const std::vector<double>& states,
+                                             Pointers& pointers) {
+  const auto variables = problem.connectivity().variablesOf(factor);
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    pointers[i] = &states[problem.stateOffset(variables[i])];
+  }
+  return {pointers.data(), variables.size()};
+}
+
+double factorCost(const Problem& problem, int factor, const std::vector<double>& states) {
+  Pointers pointers;
+  Residual e;
+  const CEdgeBase& edge = problem.edge(factor);
+  edge.evaluate(statePointers(problem, factor, states, pointers), e, nullptr);
+  const Residual whitened = edge.sqrtInformation().triangularView<Eigen::Upper>() * e;
+  return 0.5 * edge.kernel(whitened.squaredNorm()).rho;
+}
+
+/// out += AᵀB with all sizes known to the compiler.
+template <int M, int Rows, int Columns>
+void addProductFixed(const JacobianBlock& A, const JacobianBlock& B, double* out, int stride) {
+  const Eigen::Map<const Eigen::Matrix<double, M, Rows>> a(A.data());
+  const Eigen::Map<const Eigen::Matrix<double, M, Columns>> b(B.data());
+  Eigen::Map<Eigen::Matrix<double, Rows, Columns>, 0, Eigen::OuterStride<>> target(
+      out, Eigen::OuterStride<>(stride));
+  target.noalias() += a.transpose().lazyProduct(b);
+}
+
+/// out += AᵀB, a block with leading dimension `stride`.
+void addProduct(const JacobianBlock& A, const JacobianBlock& B, double* out, int stride) {
+  if (A.rows() == 6 && A.cols() == 6 && B.cols() == 6) {
+    return addProductFixed<6, 6, 6>(A, B, out, stride);
+  }
+  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> target(out, A.cols(), B.cols(),
+                                                              Eigen::OuterStride<>(stride));
+  target.noalias() += A.transpose().lazyProduct(B);
+}
+
+template <int M>
+void whitenFixed(const InformationMatrix& U, double scale, std::size_t count,
+                 WhitenedFactor& factor) {
+  const Eigen::Matrix<double, M, M> scaled =
+      scale * Eigen::Map<const Eigen::Matrix<double, M, M>>(U.data());
+  factor.e = scaled * Eigen::Matrix<double, M, 1>(factor.e);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (factor.J[i].cols() == 6) {
+      Eigen::Map<Eigen::Matrix<double, M, 6>> J(factor.J[i].data());
+      J = (scaled * J).eval();
+    } else {
+      factor.J[i] = (scaled * factor.J[i]).eval();
+    }
+  }
+}
+
+void whiten(const InformationMatrix& U, double scale, std::size_t count, WhitenedFactor& factor) {
+  if (U.rows() == 6) return whitenFixed<6>(U, scale, count, factor);
+  factor.e = scale * (U * factor.e).eval();
+  for (std::size_t i = 0; i < count; ++i) factor.J[i] = scale * (U * factor.J[i]).eval();
+}
+
+/// Adds one factor and returns its cost.
+double addFactor(const Problem& problem, const BlockStructure& structure, int f,
+                 const std::vector<double>& states, WhitenedFactor& work, NormalEquations& out) {
+  Pointers pointers;
+  const CEdgeBase& edge = problem.edge(f);
+  edge.evaluate(statePointers(problem, f, states, pointers), work.e, &work.J);
+  const double s = (edge.sqrtInformation().triangularView<Eigen::Upper>() * work.e).squaredNorm();
+  const RobustKernel::Value rho = edge.kernel(s);
+  const auto variables = problem.connectivity().variablesOf(f);
+  whiten(edge.sqrtInformation(), std::sqrt(rho.weight), variables.size(), work);
+
+  const BlockStructure::Target* target = structure.targets(f);
+  for (std::size_t a = 0; a < variables.size(); ++a) {
+    const JacobianBlock& A = work.J[a];
+    out.gradient.segment(structure.tangentOffset(variables[a]), A.cols()).noalias() +=
+        A.transpose().lazyProduct(work.e);
+    for (std::size_t b = 0; b <= a; ++b, ++target) {
+      const JacobianBlock& B = work.J[b];
+      double* const block = &out.hessian[target->offset];
+      if (target->place != Place::kTransposed) addProduct(A, B, block, target->stride);
+      if (target->place != Place::kDirect) addProduct(B, A, block, target->stride);
+    }
+  }
+  return 0.5 * rho.rho;
+}
+
+}  // namespace
+
+double evaluateCost(const Problem& problem, const std::vector<double>& states) {
+  double cost = 0.0;
+  for (int f = 0; f < problem.connectivity().factors(); ++f) cost += factorCost(problem, f, states);
+  return cost;
+}
+
+void linearize(const Problem& problem, const BlockStructure& structure,
+               const std::vector<double>& states, NormalEquations& out) {
+  out.hessian.assign(structure.nonZeros(), 0.0);
+  out.gradient.setZero(structure.size());
+  out.cost = 0.0;
+  WhitenedFactor work;
+  for (int f = 0; f < problem.connectivity().factors(); ++f) {
+    out.cost += addFactor(problem, structure, f, states, work, out);
+  }
+}
+
+int firstNonFiniteFactor(const Problem& problem, const std::vector<double>& states) {
+  for (int f = 0; f < problem.connectivity().factors(); ++f) {
+    if (!std::isfinite(factorCost(problem, f, states))) return f;
+  }
+  return -1;
+}
+
+int costliestFactor(const Problem& problem, const std::vector<double>& states) {
+  int worst = -1;
+  double worst_cost = -1.0;
+  for (int f = 0; f < problem.connectivity().factors(); ++f) {
+    const double cost = factorCost(problem, f, states);
+    if (cost > worst_cost) {
+      worst = f;
+      worst_cost = cost;
+    }
+  }
+  return worst;
+}
+
+void retract(const Problem& problem, const BlockStructure& structure,
+             const std::vector<double>& states, const VectorX& delta, std::vector<double>& out) {
+  out.resize(states.size());
+  for (int v = 0; v < problem.connectivity().variables(); ++v) {
+    const std::size_t at = problem.stateOffset(v);
+    problem.node(v).retract(&states[at], &delta[structure.tangentOffset(v)], &out[at]);
+  }
+}
+
+VectorX multiply(const BlockStructure& structure, const std::vector<double>& hessian,
+                 const VectorX& x) {
+  const cholmod_sparse A = structure.view(nullptr);
+  const int *begin = static_cast<const int*>(A.p), *row = static_cast<const int*>(A.i);
+  VectorX y = VectorX::Zero(x.size());
+  for (int c = 0; c < structure.size(); ++c) {
+    for (int k = begin[c]; k < begin[c + 1]; ++k) {
+      if (row[k] < c) continue;
+      y[row[k]] += hessian[k] * x[c];
+      if (row[k] > c) y[c] += hessian[k] * x[row[k]];
+    }
+  }
+  return y;
+}
+
+}  // namespace dynemo::backend

@@ -1,0 +1,75 @@
+#include "ordering.h"
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+
+namespace dynemo::backend {
+namespace {
+
+/// Below it minimum degree gives as little fill, in less time.
+constexpr int kNestedDissectionFrom = 1000;
+
+std::vector<int> countsToOffsets(std::vector<int> counts) {
+  std::exclusive_scan(counts.begin(), counts.end(), counts.begin(), 0);
+  return counts;
+}
+
+/// Sorts each list and drops its duplicates.
+void makeUnique(Adjacency& a) {
+  int write = 0;
+  for (std::size_t v = 0; v + 1 < a.begin.size(); ++v) {
+    const auto first = a.neighbors.begin() + a.begin[v],
+               last = a.neighbors.begin() + a.begin[v + 1];
+    std::sort(first, last);
+    const auto end = std::unique(first, last);
+    std::copy(first, end, a.neighbors.begin() + write);
+    a.begin[v] = write;
+    write += static_cast<int>(end - first);
+  }
+  a.begin.back() = write;
+  a.neighbors.resize(static_cast<std::size_t>(write));
+}
+
+template <class Visit>
+void forEachPair(const Connectivity& c, Visit visit) {
+  for (int v = 0; v < c.variables(); ++v) visit(v, v);
+  for (int f = 0; f < c.factors(); ++f) {
+    const auto variables = c.variablesOf(f);
+    for (std::size_t a = 0; a < variables.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b) {
+        if (variables[a] == variables[b]) continue;
+        visit(std::min(variables[a], variables[b]), std::max(variables[a], variables[b]));
+      }
+  }
+}
+
+}  // namespace
+
+Adjacency adjacencyOf(const Connectivity& connectivity) {
+  std::vector<int> counts(connectivity.tangent_size.size() + 1, 0);
+  forEachPair(connectivity, [&](int low, int) { ++counts[low]; });
+  Adjacency a;
+  a.begin = countsToOffsets(std::move(counts));
+  a.neighbors.resize(static_cast<std::size_t>(a.begin.back()));
+  std::vector<int> next = a.begin;
+  forEachPair(connectivity, [&](int low, int high) { a.neighbors[next[low]++] = high; });
+  makeUnique(a);
+  return a;
+}
+
+std::vector<int> eliminationOrder(Adjacency& adjacency, CholmodContext& context) {
+  const int n = static_cast<int>(adjacency.begin.size()) - 1;
+  cholmod_sparse pattern =
+      lowerTriangleView(n, adjacency.begin.data(), adjacency.neighbors.data(), nullptr);
+  context->nmethods = 1;
+  context->method[0].ordering = n < kNestedDissectionFrom ? CHOLMOD_AMD : CHOLMOD_METIS;
+  context->postorder = 1;
+  context->supernodal = CHOLMOD_SIMPLICIAL;
+  const FactorPtr symbolic(cholmod_analyze(&pattern, context.get()), {&context});
+  if (!symbolic) throw std::runtime_error("the elimination order could not be computed");
+  const int* permutation = static_cast<const int*>(symbolic->Perm);
+  return {permutation, permutation + n};
+}
+
+}  // namespace dynemo::backend

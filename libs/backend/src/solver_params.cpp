@@ -1,0 +1,35 @@
+#include "dynemo/backend/optimizer.h"
+
+namespace dynemo {
+
+void fields(FieldVisitor& v, SolverParams& p) {
+  v.integer("max_iterations", p.max_iterations, "Most accepted steps of one optimisation",
+            {1, 10000});
+  v.number("min_relative_decrease", p.min_relative_decrease,
+           "Stop when a step lowers the cost by less than this fraction", Range::between(0.0, 0.1));
+  v.number("min_step", p.min_step, "Stop when no tangent entry moves by more than this [m, rad]",
+           Range::nonNegative());
+  v.number("initial_lambda", p.initial_lambda,
+           "First damping, relative to the diagonal of the normal equations",
+           Range::between(1e-15, 1e3));
+}
+
+const char* stopReasonName(StopReason reason) {
+  switch (reason) {
+    case StopReason::kNothingToDo:
+      return "nothing_to_do";
+    case StopReason::kConverged:
+      return "converged";
+    case StopReason::kSmallStep:
+      return "small_step";
+    case StopReason::kMaxIterations:
+      return "max_iterations";
+    case StopReason::kNoDecrease:
+      return "no_decrease";
+    case StopReason::kNumericalFailure:
+      break;
+  }
+  return "numerical_failure";
+}
+
+}  // namespace dynemo
