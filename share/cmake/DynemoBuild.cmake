@@ -20,6 +20,8 @@ add_library(dynemo_options INTERFACE)
 target_compile_features(dynemo_options INTERFACE cxx_std_20)
 target_compile_options(dynemo_options INTERFACE
   $<BUILD_INTERFACE:-Wall -Wextra -Wconversion -Wno-sign-conversion -Wshadow -Wnon-virtual-dtor>
+  # False alarms of GCC 12 on "literal" + std::string (GCC bug 105651).
+  $<BUILD_INTERFACE:-Wno-restrict>
   # Contracted multiply-adds would make results depend on the instruction set.
   $<BUILD_INTERFACE:-ffp-contract=off>)
 if(DYNEMO_WERROR)

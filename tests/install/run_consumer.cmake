@@ -1,0 +1,23 @@
+# See CMakeLists.txt for the variables. Fails at the first command that fails.
+function(run)
+  execute_process(COMMAND ${ARGN} COMMAND_ECHO STDOUT COMMAND_ERROR_IS_FATAL ANY)
+endfunction()
+
+set(prefix ${SCRATCH_DIR}/prefix)
+set(build ${SCRATCH_DIR}/build)
+file(REMOVE_RECURSE ${SCRATCH_DIR})
+run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
+
+set(sanitizer_flags)
+if(SANITIZE)
+  set(sanitizer_flags -fsanitize=${SANITIZE})
+endif()
+run(${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${build} -G ${GENERATOR}
+  -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_CXX_FLAGS=${sanitizer_flags} -DCMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_COMMAND} --build ${build})
+
+execute_process(COMMAND ${build}/consumer OUTPUT_VARIABLE output OUTPUT_STRIP_TRAILING_WHITESPACE
+  COMMAND_ERROR_IS_FATAL ANY)
+if(NOT output STREQUAL EXPECTED_OUTPUT)
+  message(FATAL_ERROR "the consumer printed '${output}', not '${EXPECTED_OUTPUT}'")
+endif()
