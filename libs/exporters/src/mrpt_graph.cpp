@@ -1,6 +1,7 @@
 // MRPT's text format of mrpt::graphs::CNetworkOfPoses3DInf, written by MRPT itself at full
 // precision. Node ids are the scene graph's. MRPT drops parallel edges when it reads a file: they
-// are fused before.
+// are fused before. The file holds the whole information matrices, but the text reader of MRPT 2.5
+// forgets the correlations among the three angles.
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
 #include <limits>
