@@ -1,0 +1,196 @@
+#include "generated_graph.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "dynemo/graph/edge_agent_motion.h"
+#include "dynemo/graph/edge_floor_entity.h"
+#include "dynemo/graph/edge_prior.h"
+#include "dynemo/graph/edge_relative_pose.h"
+
+namespace dynemo::test {
+namespace {
+
+constexpr double kStorey_m = 3.2;
+constexpr double kOdometry_m = 0.03, kOdometry_rad = 0.008;
+constexpr double kDetection_m = 0.03, kDetection_rad = 0.03;
+constexpr int kObjectsPerFloor = 24;
+constexpr std::int64_t kAgent = 1'000'000;
+
+template <class Edge>
+std::shared_ptr<Edge> addEdge(const CSceneGraph& graph, GraphDelta& delta,
+                              std::vector<NodeId> nodes) {
+  auto edge = std::make_shared<Edge>();
+  edge->id = {graph.nextEdgeId().value + delta.edges.size()};
+  edge->nodes = std::move(nodes);
+  delta.edges.push_back(edge);
+  return edge;
+}
+
+template <class Node>
+std::shared_ptr<Node> addNode(const CSceneGraph& graph, GraphDelta& delta) {
+  auto node = std::make_shared<Node>();
+  node->id = {graph.nextNodeId().value + delta.nodes.size()};
+  delta.nodes.push_back(node);
+  return node;
+}
+
+}  // namespace
+
+double GeneratedWorld::gauss() {
+  const auto uniform = [this] { return (static_cast<double>(rng_() >> 11) + 0.5) * 0x1.0p-53; };
+  const double r = std::sqrt(-2.0 * std::log(uniform()));
+  return r * std::cos(2.0 * std::numbers::pi * uniform());
+}
+
+Pose3 GeneratedWorld::noisy(const Pose3& T, double sigma_m, double sigma_rad) {
+  Vector6 d;
+  for (int i = 0; i < 6; ++i) d[i] = (i < 3 ? sigma_m : sigma_rad) * gauss();
+  return T.retract(d);
+}
+
+Pose3 GeneratedWorld::robotAt(int k) const {
+  const double turn = 2.0 * std::numbers::pi * k / params_.keyframes_per_lap;
+  const double z = kStorey_m * floorAt(k);
+  return Pose3::fromYawPitchRoll(10.0 * std::cos(turn), 7.0 * std::sin(turn), z,
+                                 turn + 0.5 * std::numbers::pi, 0.05 * std::sin(3 * turn),
+                                 0.04 * std::cos(2 * turn));
+}
+
+Pose3 GeneratedWorld::objectPose(int floor, int index) const {
+  const double turn = 2.0 * std::numbers::pi * index / kObjectsPerFloor;
+  return Pose3::fromYawPitchRoll(12.0 * std::cos(turn), 9.0 * std::sin(turn),
+                                 kStorey_m * floor + 0.3 + 0.1 * (index % 7), 2.0 * turn,
+                                 0.3 * index, -0.2 * index);
+}
+
+Pose3 GeneratedWorld::agentPose(int k) const {
+  return robotAt(k) * Pose3::fromYawPitchRoll(2.0, 0.3 * std::sin(0.2 * k), 0.1, 0.1, 0.0, 0.2);
+}
+
+RobustKernel GeneratedWorld::detectionKernel() {
+  if (!params_.outliers) return {};
+  static constexpr KernelType kTypes[] = {KernelType::kHuber, KernelType::kCauchy,
+                                          KernelType::kNone, KernelType::kGemanMcClure,
+                                          KernelType::kTukey};
+  // Redescending kernels get a width at which these graphs have one minimum nearby.
+  const KernelType type = kTypes[rng_() % 5];
+  const bool redescending = type == KernelType::kTukey || type == KernelType::kGemanMcClure;
+  return {type, redescending ? 20.0 : 1.5};
+}
+
+void GeneratedWorld::observe(const CSceneGraph& graph, EntityId entity, const Pose3& T_map_entity,
+                             SemanticClass c, NodeId keyframe, const Pose3& T_map_base_estimate,
+                             GraphDelta& delta) {
+  const Pose3 T_base_entity = robotAt(k_).inverse() * T_map_entity;
+  const bool wrong = params_.outliers && rng_() % 16 == 0;
+  auto node = addNode<CNodeEntity>(graph, delta);
+  node->entity = entity;
+  node->name = "entity " + std::to_string(entity.value);
+  node->semantic_class = c;
+  node->keyframe = keyframe;
+  node->stamp = {1'000'000'000LL * k_};
+  auto detection = addEdge<CEdgeKeyframeEntity>(graph, delta, {keyframe, node->id});
+  detection->T_1_2 = noisy(T_base_entity, wrong ? 0.2 : kDetection_m, kDetection_rad);
+  detection->setCovariance(isotropicCovariance(kDetection_m, kDetection_rad));
+  detection->kernel = detectionKernel();
+  if (detection->kernel.type == KernelType::kNone)
+    detection->T_1_2 = noisy(T_base_entity, kDetection_m, kDetection_rad);
+  node->T_map_node = node->T_map_node_first = T_map_base_estimate * detection->T_1_2;
+
+  const CNodeEntity* before = graph.lastObservation(entity);
+  if (c == SemanticClass::kAgent) return constrainAgent(graph, *node, delta);
+  if (before) {
+    auto intra = addEdge<CEdgeIntraEntity>(graph, delta, {before->id, node->id});
+    intra->motion_model = "static_object";
+    intra->setCovariance(isotropicCovariance(0.02, 0.035));
+    if (params_.outliers) intra->kernel = {KernelType::kHuber, 1.345};
+  }
+  const NodeId floor = floorNode(graph, delta);
+  auto height = addEdge<CEdgeFloorEntity>(graph, delta, {floor, node->id});
+  height->offset_m = kStorey_m * floorAt(k_) - T_map_entity.t.z() + 0.01 * gauss();
+  height->setCovariance(MatrixX::Constant(1, 1, 0.05 * 0.05));
+}
+
+void GeneratedWorld::constrainAgent(const CSceneGraph& graph, const CNodeEntity& newest,
+                                    GraphDelta& delta) {
+  const auto it = graph.tracks().find(newest.entity);
+  if (it == graph.tracks().end()) return;
+  const auto& track = it->second;
+  auto line = addEdge<CEdgeAgentLine>(graph, delta, {track.back()->id, newest.id});
+  line->direction_entity = (agentPose(k_ - 1).inverse() * agentPose(k_)).t.normalized();
+  line->setCovariance(MatrixX::Identity(2, 2) * 0.25);
+  if (track.size() < 2) return;
+  auto velocity = addEdge<CEdgeAgentVelocity>(
+      graph, delta, {track[track.size() - 2]->id, track.back()->id, newest.id});
+  velocity->dt_12_s = 1.1;
+  velocity->dt_23_s = 0.9;
+  velocity->setCovariance(MatrixX::Identity(3, 3) * 0.09);
+  velocity->kernel = params_.outliers ? RobustKernel{KernelType::kCauchy, 2.0} : RobustKernel{};
+}
+
+NodeId GeneratedWorld::floorNode(const CSceneGraph& graph, GraphDelta& delta) {
+  const auto index = static_cast<std::size_t>(floorAt(k_));
+  if (index < graph.floors().size()) return graph.floors()[index]->id;
+  for (const auto& node : delta.nodes) {
+    if (dynamic_cast<const CNodeFloor*>(node.get())) return node->id;
+  }
+  auto floor = addNode<CNodeFloor>(graph, delta);
+  floor->level_m = floor->level_first_m = kStorey_m * static_cast<double>(index) + 0.05 * gauss();
+  if (params_.floor_prior) {
+    auto prior = addEdge<CEdgeFloorPrior>(graph, delta, {floor->id});
+    prior->level_m = floor->level_m;
+    prior->setCovariance(MatrixX::Constant(1, 1, 0.04));
+  }
+  return floor->id;
+}
+
+GraphDelta GeneratedWorld::nextKeyframe(const CSceneGraph& graph) {
+  GraphDelta delta;
+  auto keyframe = addNode<CNodeKeyframe>(graph, delta);
+  keyframe->stamp = {1'000'000'000LL * k_};
+  keyframe->frame_index = static_cast<std::uint64_t>(k_);
+  if (k_ == 0) {
+    keyframe->T_map_node = robotAt(0);
+    if (params_.pose_prior) {
+      auto prior = addEdge<CEdgePosePrior>(graph, delta, {keyframe->id});
+      prior->T_map_node = robotAt(0);
+      prior->setCovariance(isotropicCovariance(0.01, 0.01));
+    }
+  } else {
+    const CNodeKeyframe& last = *graph.keyframes().back();
+    auto odometry = addEdge<CEdgeOdometry>(graph, delta, {last.id, keyframe->id});
+    odometry->T_1_2 = noisy(robotAt(k_ - 1).inverse() * robotAt(k_), kOdometry_m, kOdometry_rad);
+    odometry->setCovariance(isotropicCovariance(kOdometry_m, kOdometry_rad));
+    keyframe->T_map_node = last.T_map_node * odometry->T_1_2;
+  }
+  keyframe->T_map_node_first = keyframe->T_map_node;
+  const int nearest =
+      kObjectsPerFloor * (k_ % params_.keyframes_per_lap) / params_.keyframes_per_lap;
+  for (int i = 0; i + 1 < params_.observations_per_keyframe; ++i) {
+    const int index = (nearest + i) % kObjectsPerFloor;
+    observe(graph, {floorAt(k_) * kObjectsPerFloor + index}, objectPose(floorAt(k_), index),
+            SemanticClass::kObject, keyframe->id, keyframe->T_map_node, delta);
+  }
+  observe(graph, {kAgent}, agentPose(k_), SemanticClass::kAgent, keyframe->id, keyframe->T_map_node,
+          delta);
+  const int lap_ago = k_ - params_.keyframes_per_lap;
+  if (params_.loop_every > 0 && lap_ago >= 0 && k_ % params_.loop_every == 0 &&
+      floorAt(lap_ago) == floorAt(k_)) {
+    const CNodeKeyframe& seen = *graph.keyframes()[static_cast<std::size_t>(lap_ago)];
+    auto loop = addEdge<CEdgeLoopClosure>(graph, delta, {seen.id, keyframe->id});
+    loop->T_1_2 = noisy(robotAt(lap_ago).inverse() * robotAt(k_), 0.05, 0.01);
+    loop->setCovariance(isotropicCovariance(0.05, 0.01));
+  }
+  ++k_;
+  return delta;
+}
+
+CSceneGraph generateGraph(const WorldParams& params, int keyframes) {
+  GeneratedWorld world(params);
+  CSceneGraph graph;
+  for (int k = 0; k < keyframes; ++k) graph.apply(world.nextKeyframe(graph));
+  return graph;
+}
+
+}  // namespace dynemo::test

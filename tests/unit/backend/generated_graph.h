@@ -1,0 +1,54 @@
+// A made-up building and robot: scene graphs with every kind of edge, of any size, for tests and
+// benchmarks.
+#pragma once
+
+#include <map>
+#include <random>
+
+#include "dynemo/graph/scene_graph.h"
+
+namespace dynemo::test {
+
+struct WorldParams {
+  std::uint64_t seed = 1;
+  int keyframes_per_lap = 64;
+  int laps_per_floor = 4;
+  int observations_per_keyframe = 3;
+  /// Every n-th keyframe after the first lap closes a loop; 0 never.
+  int loop_every = 10;
+  /// Robust kernels of all kinds on the detections, and wrong detections for them.
+  bool outliers = false;
+  bool pose_prior = true, floor_prior = true;
+};
+
+/// The robot drives laps, floor by floor, sees objects on the walls and follows an agent. Each call
+/// makes the delta of one more keyframe, with estimates as a front-end would give them: dead
+/// reckoning from the graph's last keyframe.
+class GeneratedWorld {
+ public:
+  explicit GeneratedWorld(const WorldParams& params) : params_(params), rng_(params.seed) {}
+  GraphDelta nextKeyframe(const CSceneGraph& graph);
+
+ private:
+  double gauss();
+  Pose3 noisy(const Pose3& T, double sigma_m, double sigma_rad);
+  Pose3 robotAt(int k) const;
+  int floorAt(int k) const { return k / (params_.keyframes_per_lap * params_.laps_per_floor); }
+  Pose3 objectPose(int floor, int index) const;
+  Pose3 agentPose(int k) const;
+  RobustKernel detectionKernel();
+  void observe(const CSceneGraph& graph, EntityId entity, const Pose3& T_map_entity,
+               SemanticClass c, NodeId keyframe, const Pose3& T_map_base_estimate,
+               GraphDelta& delta);
+  void constrainAgent(const CSceneGraph& graph, const CNodeEntity& newest, GraphDelta& delta);
+  NodeId floorNode(const CSceneGraph& graph, GraphDelta& delta);
+
+  WorldParams params_;
+  std::mt19937_64 rng_;
+  int k_ = 0;
+};
+
+/// A graph of `keyframes` keyframes, none of it optimised yet.
+CSceneGraph generateGraph(const WorldParams& params, int keyframes);
+
+}  // namespace dynemo::test
