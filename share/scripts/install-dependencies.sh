@@ -18,6 +18,8 @@ libraries=(
   libsuitesparse-dev
   libopenblas-dev
   libboost-dev
+  libnanoflann-dev
+  zlib1g-dev
   libyaml-cpp-dev
   nlohmann-json3-dev
   libcli11-dev
