@@ -1,0 +1,25 @@
+// Directions in which a registration problem says nothing.
+#pragma once
+
+#include "dynemo/core/se3.h"
+
+namespace dynemo {
+
+/// The split of the 6-D tangent space [translation, rotation · length] into observed directions and
+/// the others.
+struct Degeneracy {
+  /// Orthonormal columns, the unobserved directions first removed from `projector`.
+  Eigen::Matrix<double, 6, Eigen::Dynamic> directions = Eigen::Matrix<double, 6, 0>();
+  /// Projects onto the observed directions.
+  Matrix6 projector = Matrix6::Identity();
+
+  bool any() const { return directions.cols() > 0; }
+};
+
+/// `normalized_hessian` is the mean of a aᵀ over the correspondences, with a = [n; s×n / length]
+/// dimensionless, so its eigenvalues are the shares of correspondences that constrain each
+/// direction (Zhang, Kaess, Singh, "On degeneracy of optimization-based state estimation problems",
+/// ICRA 2016). Directions with a share below `min_share` are unobserved.
+Degeneracy findDegeneracy(const Matrix6& normalized_hessian, double min_share);
+
+}  // namespace dynemo

@@ -1,0 +1,48 @@
+// A scan reduced to evenly spread points with surface normals.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "dynemo/core/fields.h"
+#include "dynemo/core/point_cloud.h"
+#include "dynemo/odometry/body_twist.h"
+#include "dynemo/odometry/worker_pool.h"
+
+namespace dynemo {
+
+struct SurfaceParams {
+  double min_range_m = 0.5;
+  double max_range_m = 100.0;
+  double leaf_m = 0.25;
+  int normal_neighbors = 10;
+  double max_flatness = 0.5;
+};
+void fields(FieldVisitor& v, SurfaceParams& p);
+
+/// Means of the points in each leaf, in the order in which the scan first enters the leaves.
+struct SurfacePoints {
+  /// Base frame at each point's own time [m].
+  std::vector<Eigen::Vector3f> points;
+  /// Unit, towards the sensor; base frame at the reference time.
+  std::vector<Eigen::Vector3f> normals;
+  /// Seconds after the reference time; empty for a scan of one instant.
+  std::vector<float> time_s;
+
+  std::size_t size() const { return points.size(); }
+  bool timed() const { return !time_s.empty(); }
+};
+
+/// Reduces the scan to one mean per leaf and fits a plane to the k nearest means of each. Points
+/// out of range, the `ignored` ones (ascending indices) and leaves whose neighbours do not form a
+/// surface (a line, a blob) are left out. `times_s` is empty or one entry per point; `reference_s`
+/// is the reference time after the stamp. The twist only serves the normals: the points keep their
+/// own times.
+SurfacePoints extractSurface(const Scan& scan, const std::vector<float>& times_s,
+                             double reference_s, const BodyTwist& twist,
+                             std::span<const std::uint32_t> ignored, const SurfaceParams& params,
+                             WorkerPool& pool);
+
+}  // namespace dynemo

@@ -1,0 +1,17 @@
+#include "dynemo/odometry/degeneracy.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace dynemo {
+
+Degeneracy findDegeneracy(const Matrix6& normalized_hessian, double min_share) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6> solver(normalized_hessian);
+  Eigen::Index weak = 0;  // eigenvalues ascend
+  while (weak < 6 && !(solver.eigenvalues()[weak] >= min_share)) ++weak;
+  Degeneracy result;
+  result.directions = solver.eigenvectors().leftCols(weak);
+  result.projector -= result.directions * result.directions.transpose();
+  return result;
+}
+
+}  // namespace dynemo

@@ -1,0 +1,129 @@
+#include "dynemo/odometry/keyframe_gicp_odometry.h"
+
+#include <limits>
+#include <nanoflann.hpp>
+
+#include "dynemo/odometry/worker_pool.h"
+#include "relative_covariance.h"
+
+namespace dynemo {
+namespace {
+
+/// Exact nearest neighbours in one scan.
+class KeyframeTarget final : public RegistrationTarget {
+ public:
+  explicit KeyframeTarget(SurfacePoints surface)
+      : surface_(std::move(surface)), cloud_{surface_.points}, tree_(3, cloud_) {}
+
+  bool nearest(const Eigen::Vector3f& p, const Eigen::Vector3f& normal,
+               const CorrespondenceGate& gate, Correspondence& found) const override {
+    std::uint32_t index = 0;
+    float distance2 = 0.0F;
+    if (tree_.knnSearch(p.data(), 1, &index, &distance2) == 0) return false;
+    if (distance2 >= gate.max_distance_m * gate.max_distance_m) return false;
+    found = {surface_.points[index], surface_.normals[index]};
+    return found.normal.dot(normal) >= gate.min_normal_cosine;
+  }
+
+ private:
+  struct Cloud {
+    const std::vector<Eigen::Vector3f>& points;
+    std::size_t kdtree_get_point_count() const { return points.size(); }
+    float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+      return points[i][static_cast<Eigen::Index>(axis)];
+    }
+    template <class Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>,
+                                                   Cloud, 3, std::uint32_t>;
+
+  SurfacePoints surface_;
+  Cloud cloud_;
+  Tree tree_;
+};
+
+struct Keyframe {
+  Pose3 T_odom_keyframe;
+  std::unique_ptr<KeyframeTarget> target;
+};
+
+class KeyframeGicpOdometry final : public ScanOdometry {
+ public:
+  explicit KeyframeGicpOdometry(const OdometryParams& params)
+      : params_(params.keyframe_gicp), pool_(params.threads) {}
+
+  Expected<OdometryEstimate, OdometryFailure> update(
+      const Scan& scan, const std::optional<OdometryState>&,
+      std::span<const std::uint32_t> ignored) override;
+
+ private:
+  bool farFromKeyframe(const Pose3& T_keyframe_base) const {
+    return T_keyframe_base.t.norm() > params_.keyframe_translation_m ||
+           rotationAngle(T_keyframe_base) > params_.keyframe_rotation_rad;
+  }
+  OdometryEstimate estimateOf(Stamp stamp, const Registration& found);
+
+  KeyframeGicpParams params_;
+  WorkerPool pool_;
+  std::optional<Keyframe> keyframe_;
+  Stamp last_stamp_;
+  Pose3 T_odom_last_;
+  Pose3 T_keyframe_last_;
+  Matrix6 last_covariance_ = Matrix6::Zero();
+};
+
+Expected<OdometryEstimate, OdometryFailure> KeyframeGicpOdometry::update(
+    const Scan& scan, const std::optional<OdometryState>&, std::span<const std::uint32_t> ignored) {
+  if (keyframe_ && scan.stamp <= last_stamp_) {
+    return make_unexpected(OdometryFailure::kStampNotIncreasing);
+  }
+  SurfacePoints surface = extractSurface(scan, {}, 0.0, {}, ignored, params_.surface, pool_);
+  if (surface.size() < static_cast<std::size_t>(params_.min_points)) {
+    return make_unexpected(OdometryFailure::kTooFewPoints);
+  }
+  if (!keyframe_) {
+    OdometryEstimate first{scan.stamp, Pose3(), Pose3()};
+    first.diagnostics.points = surface.size();
+    first.diagnostics.inlier_ratio = 1.0;
+    keyframe_ = Keyframe{Pose3(), std::make_unique<KeyframeTarget>(std::move(surface))};
+    last_stamp_ = scan.stamp;
+    return first;
+  }
+  RegistrationPrior prior;
+  prior.T_target_base = T_keyframe_last_;
+  prior.correspondence_m = params_.correspondence_m;
+  const auto found = registerScan(surface, *keyframe_->target, prior, params_.registration, pool_);
+  if (!found) return make_unexpected(found.error());
+  const OdometryEstimate estimate = estimateOf(scan.stamp, *found);
+  if (farFromKeyframe(found->T_target_base)) {
+    keyframe_ =
+        Keyframe{estimate.T_odom_base, std::make_unique<KeyframeTarget>(std::move(surface))};
+    T_keyframe_last_ = Pose3();
+    last_covariance_.setZero();
+  }
+  return estimate;
+}
+
+OdometryEstimate KeyframeGicpOdometry::estimateOf(Stamp stamp, const Registration& found) {
+  OdometryEstimate estimate{stamp, (keyframe_->T_odom_keyframe * found.T_target_base).normalized(),
+                            T_keyframe_last_.inverse() * found.T_target_base};
+  const Matrix6 covariance = found.covariance.topLeftCorner<6, 6>();
+  estimate.covariance = relativeCovariance(estimate.T_prev_base, last_covariance_, covariance);
+  estimate.twist = twistOf(estimate.T_prev_base, secondsBetween(last_stamp_, stamp));
+  estimate.diagnostics = found.diagnostics;
+  T_keyframe_last_ = found.T_target_base;
+  last_covariance_ = covariance;
+  last_stamp_ = stamp;
+  return estimate;
+}
+
+}  // namespace
+
+std::unique_ptr<ScanOdometry> makeKeyframeGicpOdometry(const OdometryParams& params) {
+  return std::make_unique<KeyframeGicpOdometry>(params);
+}
+
+}  // namespace dynemo

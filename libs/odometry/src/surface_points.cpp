@@ -1,0 +1,216 @@
+#include "dynemo/odometry/surface_points.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <optional>
+
+#include "dynemo/odometry/cell_index.h"
+
+namespace dynemo {
+namespace {
+
+/// A plane through fewer points says nothing about how flat they lie.
+constexpr std::size_t kMinNeighbors = 5;
+/// Means within two leaves of one, all directions.
+constexpr std::size_t kMaxNeighborhood = 125;
+constexpr std::size_t kBlock = 256;
+
+/// Sums are taken relative to the leaf's first point, so that single precision is enough.
+struct Leaf {
+  Eigen::Vector3f first;
+  Eigen::Vector3f sum;
+  float time_sum_s;
+  float count;
+};
+
+struct Reduced {
+  CellIndex index{8192};
+  std::vector<CellCoordinates> coordinates;
+  std::vector<Leaf> leaves;
+};
+
+Reduced reduce(const Scan& scan, const std::vector<float>& times_s, float reference_s,
+               std::span<const std::uint32_t> ignored, const SurfaceParams& params) {
+  Reduced reduced;
+  const Eigen::Matrix3f R = scan.T_base_lidar.R.cast<float>();
+  const Eigen::Vector3f t = scan.T_base_lidar.t.cast<float>();
+  const auto min2 = static_cast<float>(params.min_range_m * params.min_range_m);
+  const auto max2 = static_cast<float>(params.max_range_m * params.max_range_m);
+  const auto inverse_leaf = static_cast<float>(1.0 / params.leaf_m);
+  auto skip = ignored.begin();
+  // Neighbours along a ring usually share a leaf.
+  CellCoordinates last_cell = CellCoordinates::Constant(INT32_MAX);
+  std::uint32_t number = 0;
+  for (std::uint32_t i = 0; i < scan.cloud.size(); ++i) {
+    while (skip != ignored.end() && *skip < i) ++skip;
+    if (skip != ignored.end() && *skip == i) continue;
+    const Eigen::Vector3f& p_lidar = scan.cloud.points[i];
+    const float range2 = p_lidar.squaredNorm();
+    if (!(range2 >= min2 && range2 <= max2)) continue;
+    const Eigen::Vector3f p = R * p_lidar + t;
+    const CellCoordinates cell = cellOf(p, inverse_leaf);
+    if (cell != last_cell) {
+      last_cell = cell;
+      number = reduced.index.findOrAdd(cell);
+      if (number == reduced.leaves.size()) {
+        reduced.leaves.push_back({p, Eigen::Vector3f::Zero(), 0.0F, 0.0F});
+        reduced.coordinates.push_back(cell);
+      }
+    }
+    Leaf& leaf = reduced.leaves[number];
+    leaf.sum += p - leaf.first;
+    leaf.count += 1.0F;
+    if (!times_s.empty()) leaf.time_sum_s += times_s[i] - reference_s;
+  }
+  return reduced;
+}
+
+SurfacePoints meansOf(const std::vector<Leaf>& leaves, bool timed) {
+  SurfacePoints means;
+  means.points.reserve(leaves.size());
+  for (const Leaf& leaf : leaves) {
+    means.points.push_back(leaf.first + leaf.sum / leaf.count);
+    if (timed) means.time_s.push_back(leaf.time_sum_s / leaf.count);
+  }
+  return means;
+}
+
+/// The means in the cube of leaves around one, nearest first as far as the k-th.
+class Neighborhood {
+ public:
+  Neighborhood(const Reduced& reduced, const std::vector<Eigen::Vector3f>& points)
+      : reduced_(reduced), points_(points) {}
+
+  std::span<const std::uint32_t> nearest(std::uint32_t center, std::size_t k) {
+    size_ = 0;
+    for (int reach = 0; reach <= 2 && (reach < 2 || size_ < k); ++reach) addShell(center, reach);
+    const std::size_t count = std::min(k, size_);
+    if (count < size_) {
+      std::nth_element(candidates_.begin(),
+                       candidates_.begin() + static_cast<std::ptrdiff_t>(count),
+                       candidates_.begin() + static_cast<std::ptrdiff_t>(size_));
+    }
+    for (std::size_t i = 0; i < count; ++i) result_[i] = candidates_[i].second;
+    return {result_.data(), count};
+  }
+
+ private:
+  /// Leaves at Chebyshev distance `reach`.
+  void addShell(std::uint32_t center, int reach) {
+    const CellCoordinates& c = reduced_.coordinates[center];
+    for (int dx = -reach; dx <= reach; ++dx) {
+      for (int dy = -reach; dy <= reach; ++dy) {
+        const bool side = std::abs(dx) == reach || std::abs(dy) == reach;
+        for (int dz = -reach; dz <= reach; dz += side ? 1 : 2 * reach) {
+          addLeaf(center, reduced_.index.find(c + CellCoordinates(dx, dy, dz)));
+        }
+      }
+    }
+  }
+
+  void addLeaf(std::uint32_t center, std::uint32_t leaf) {
+    if (leaf == CellIndex::kNone) return;
+    candidates_[size_++] = {(points_[leaf] - points_[center]).squaredNorm(), leaf};
+  }
+
+  const Reduced& reduced_;
+  const std::vector<Eigen::Vector3f>& points_;
+  std::array<std::pair<float, std::uint32_t>, kMaxNeighborhood> candidates_;
+  std::array<std::uint32_t, kMaxNeighborhood> result_;
+  std::size_t size_ = 0;
+};
+
+/// Unit normal of the plane through the points; empty when they form no plane.
+std::optional<Eigen::Vector3f> fitNormal(const std::vector<Eigen::Vector3f>& points,
+                                         std::span<const std::uint32_t> members,
+                                         float max_flatness) {
+  if (members.size() < kMinNeighbors) return std::nullopt;
+  const Eigen::Vector3f origin = points[members[0]];
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
+  for (const std::uint32_t i : members) {
+    const Eigen::Vector3f d = points[i] - origin;
+    sum += d;
+    squares.noalias() += d * d.transpose();
+  }
+  const auto n = static_cast<float>(members.size());
+  const Eigen::Matrix3f scatter = squares - sum * sum.transpose() / n;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(scatter);
+  const Eigen::Vector3f& spread = solver.eigenvalues();
+  if (!(spread[1] > 0.0F && spread[0] <= max_flatness * spread[1])) return std::nullopt;
+  return solver.eigenvectors().col(0);
+}
+
+/// Keeps the entries that have a normal, in order.
+void keepFitted(SurfacePoints& surface) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    if (surface.normals[i].squaredNorm() < 0.5F) continue;
+    surface.points[kept] = surface.points[i];
+    surface.normals[kept] = surface.normals[i];
+    if (surface.timed()) surface.time_s[kept] = surface.time_s[i];
+    ++kept;
+  }
+  surface.points.resize(kept);
+  surface.normals.resize(kept);
+  if (surface.timed()) surface.time_s.resize(kept);
+}
+
+std::vector<Eigen::Vector3f> atReference(const SurfacePoints& means, const BodyTwist& twist) {
+  if (!means.timed()) return means.points;
+  const Eigen::Vector3f linear = twist.linear_m_s.cast<float>();
+  const Eigen::Vector3f angular = twist.angular_rad_s.cast<float>();
+  std::vector<Eigen::Vector3f> points(means.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] = carriedToReference<float>(linear, angular, means.time_s[i], means.points[i]);
+  }
+  return points;
+}
+
+}  // namespace
+
+void fields(FieldVisitor& v, SurfaceParams& p) {
+  v.number("min_range_m", p.min_range_m, "Nearer points are left out (the robot itself)",
+           Range::nonNegative());
+  v.number("max_range_m", p.max_range_m, "Farther points are left out", Range::positive());
+  v.number("leaf_m", p.leaf_m, "Edge of the cubes whose points are averaged", {0.01, 10.0});
+  v.integer("normal_neighbors", p.normal_neighbors,
+            "Nearest averaged points, itself included, that a normal is fitted to",
+            Range::between(static_cast<double>(kMinNeighbors), 60));
+  v.number("max_flatness", p.max_flatness,
+           "Largest ratio of the smallest to the middle eigenvalue of the fit: above it the "
+           "neighbours form a line or "
+           "a blob and the point is left out",
+           {0.0, 1.0, true});
+}
+
+SurfacePoints extractSurface(const Scan& scan, const std::vector<float>& times_s,
+                             double reference_s, const BodyTwist& twist,
+                             std::span<const std::uint32_t> ignored, const SurfaceParams& params,
+                             WorkerPool& pool) {
+  const bool timed = !times_s.empty() && times_s.size() == scan.cloud.size();
+  static const std::vector<float> kNoTimes;
+  const Reduced reduced =
+      reduce(scan, timed ? times_s : kNoTimes, static_cast<float>(reference_s), ignored, params);
+  SurfacePoints surface = meansOf(reduced.leaves, timed);
+  surface.normals.assign(surface.size(), Eigen::Vector3f::Zero());
+  const std::vector<Eigen::Vector3f> still = atReference(surface, twist);
+  const Eigen::Vector3f sensor = scan.T_base_lidar.t.cast<float>();
+  pool.blocks(surface.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    Neighborhood neighborhood(reduced, still);
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto members = neighborhood.nearest(static_cast<std::uint32_t>(i),
+                                                static_cast<std::size_t>(params.normal_neighbors));
+      const auto normal = fitNormal(still, members, static_cast<float>(params.max_flatness));
+      if (normal)
+        surface.normals[i] =
+            normal->dot(still[i] - sensor) > 0.0F ? Eigen::Vector3f(-*normal) : *normal;
+    }
+  });
+  keepFitted(surface);
+  return surface;
+}
+
+}  // namespace dynemo
