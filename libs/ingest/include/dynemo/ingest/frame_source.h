@@ -19,7 +19,8 @@ struct IngestReport {
   std::optional<Stamp> first, last;
 };
 
-/// How far a source has come, for progress bars: fraction of the input consumed in [0, 1] and dataset seconds.
+/// How far a source has come, for progress bars: fraction of the input consumed in [0, 1] and
+/// dataset seconds.
 struct IngestProgress {
   double fraction = 0.0;
   double dataset_s = 0.0;
@@ -28,8 +29,8 @@ struct IngestProgress {
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// The next frame in order of time, or nothing at the end. Throws DataError on input that cannot be used at all;
-  /// damage after a usable beginning ends the stream with a counted warning.
+  /// The next frame in order of time, or nothing at the end. Throws DataError on input that cannot
+  /// be used at all; damage after a usable beginning ends the stream with a counted warning.
   virtual std::optional<SensorFrame> next() = 0;
   virtual const IngestReport& report() const = 0;
   virtual IngestProgress progress() const = 0;

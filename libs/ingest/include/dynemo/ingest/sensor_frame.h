@@ -1,5 +1,5 @@
-// What the front-end receives per frame: one scan, the images and detections that belong to it, and the odometry
-// interpolated to each stamp.
+// What the front-end receives per frame: one scan, the images and detections that belong to it, and
+// the odometry interpolated to each stamp.
 #pragma once
 
 #include <array>
@@ -29,8 +29,8 @@ struct CameraModel {
   bool valid() const { return width > 0 && height > 0 && fx > 0 && fy > 0; }
 };
 
-/// Odometry at one instant. The covariance, when the source gives one, is the one accumulated since the start of the
-/// odometry, of the right tangent of T_odom_base.
+/// Odometry at one instant. The covariance, when the source gives one, is the one accumulated since
+/// the start of the odometry, of the right tangent of T_odom_base.
 struct OdometryState {
   Pose3 T_odom_base;
   std::optional<Matrix6> accumulated_covariance;
@@ -58,7 +58,8 @@ struct ExternalDetection {
   std::optional<OdometryState> odometry;
 };
 
-/// One synchronised frame. The stamp is the scan's, or the first image's or detection's when there is no scan.
+/// One synchronised frame. The stamp is the scan's, or the first image's or detection's when there
+/// is no scan.
 struct SensorFrame {
   std::uint64_t index = 0;
   Stamp stamp;

@@ -1,0 +1,49 @@
+// The objects of a rawlog, one after the other, from plain or gzip-compressed files.
+#pragma once
+
+#include <mrpt/serialization/CSerializable.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace dynemo {
+
+/// Registers the observation and map classes with MRPT, so that they can be read; harmless when
+/// repeated.
+void registerRawlogClasses();
+
+struct RawlogEntry {
+  enum class Kind : std::uint8_t { kObservation, kSensoryFrame, kActions, kNull, kOther };
+  Kind kind = Kind::kNull;
+  std::string class_name;  ///< without namespace; empty for a stored null object
+  mrpt::serialization::CSerializable::Ptr object;  ///< null for kNull only
+};
+
+/// Reads one object at a time; memory does not depend on the length of the file. Not thread-safe,
+/// and while next() runs the address space of the process may grow by at most `max_object_bytes`.
+class RawlogReader {
+ public:
+  /// Throws DataError when the file is missing, empty, not a regular file or not readable.
+  RawlogReader(const std::filesystem::path& file, std::size_t max_object_bytes);
+  ~RawlogReader();
+  RawlogReader(RawlogReader&&) noexcept;
+
+  /// The next object, or nothing at the end of what can be read.
+  std::optional<RawlogEntry> next();
+
+  /// Why and roughly where reading ended before the end of the file; empty when it did not.
+  const std::string& damage() const;
+  /// Objects read so far, stored null objects included.
+  std::uint64_t objectsRead() const;
+  /// Fraction of the file's bytes consumed, in [0, 1].
+  double fractionRead() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace dynemo

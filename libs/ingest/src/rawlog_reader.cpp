@@ -1,0 +1,138 @@
+#include "dynemo/ingest/rawlog_reader.h"
+
+#include <mrpt/maps/registerAllClasses.h>
+#include <mrpt/obs/CActionCollection.h>
+#include <mrpt/obs/CObservation.h>
+#include <mrpt/obs/CSensoryFrame.h>
+#include <mrpt/obs/registerAllClasses.h>
+#include <mrpt/serialization/CArchive.h>
+#include <mrpt/serialization/archiveFrom_std_streams.h>
+
+#include <algorithm>
+#include <cctype>
+#include <new>
+
+#include "dynemo/core/error.h"
+#include "gz_stream.h"
+#include "memory_limit.h"
+
+namespace dynemo {
+namespace {
+
+using mrpt::serialization::CSerializable;
+
+std::string withoutNamespace(const std::string& name) {
+  const auto colon = name.rfind(':');
+  return colon == std::string::npos ? name : name.substr(colon + 1);
+}
+
+RawlogEntry classify(CSerializable::Ptr object) {
+  RawlogEntry entry;
+  entry.object = std::move(object);
+  if (!entry.object) return entry;
+  entry.class_name = withoutNamespace(entry.object->GetRuntimeClass()->className);
+  using Kind = RawlogEntry::Kind;
+  if (IS_DERIVED(*entry.object, mrpt::obs::CObservation))
+    entry.kind = Kind::kObservation;
+  else if (IS_CLASS(*entry.object, mrpt::obs::CSensoryFrame))
+    entry.kind = Kind::kSensoryFrame;
+  else if (IS_CLASS(*entry.object, mrpt::obs::CActionCollection))
+    entry.kind = Kind::kActions;
+  else
+    entry.kind = Kind::kOther;
+  return entry;
+}
+
+/// The class name in the header of a serialised object (its length with the top bit set, then the
+/// name); empty when the bytes are no header.
+std::string classNameInHeader(const std::string& head) {
+  if (head.empty() || (static_cast<unsigned char>(head[0]) & 0x80) == 0) return {};
+  const std::size_t length = static_cast<unsigned char>(head[0]) & 0x7F;
+  if (head.size() < 1 + length) return {};
+  const std::string name = head.substr(1, length);
+  const auto printable = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == ':' || c == '<' ||
+           c == '>';
+  };
+  return std::all_of(name.begin(), name.end(), printable) ? name : std::string();
+}
+
+}  // namespace
+
+void registerRawlogClasses() {
+  // The calls also keep the linker from dropping the libraries, which no other symbol may need.
+  mrpt::obs::registerAllClasses_mrpt_obs();
+  mrpt::maps::registerAllClasses_mrpt_maps();
+}
+
+struct RawlogReader::Impl {
+  Impl(const std::filesystem::path& file, std::size_t max_object_bytes)
+      : max_bytes(max_object_bytes),
+        stream(file),
+        archive(mrpt::serialization::archiveUniquePtrFrom<mrpt::io::CStream>(stream)) {}
+
+  std::string where() const {
+    return "after " + std::to_string(objects) + " objects, near byte " +
+           std::to_string(stream.getPosition()) + " of " +
+           std::to_string(stream.getTotalBytesCount());
+  }
+  void stopDamaged(const std::string& why) {
+    damage = why + ", " + where();
+    ended = true;
+  }
+  void explainFailure();
+
+  std::size_t max_bytes;
+  GzStream stream;
+  std::unique_ptr<mrpt::serialization::CArchive> archive;
+  std::uint64_t objects = 0;
+  std::string damage;
+  bool ended = false;
+};
+
+void RawlogReader::Impl::explainFailure() {
+  const std::string name = classNameInHeader(stream.objectHead());
+  if (stream.objectBytes() == 0) {
+    const std::string error = stream.compressionError();
+    ended = true;
+    if (!error.empty()) stopDamaged("the compressed data ends or is corrupt (" + error + ")");
+  } else if (!name.empty() && mrpt::rtti::findRegisteredClass(name) == nullptr) {
+    stopDamaged("object of unknown class '" + name + "', which cannot be skipped");
+  } else {
+    stopDamaged("truncated or corrupt object" + (name.empty() ? "" : " of class " + name));
+  }
+}
+
+RawlogReader::RawlogReader(const std::filesystem::path& file, std::size_t max_object_bytes) {
+  registerRawlogClasses();
+  impl_ = std::make_unique<Impl>(file, max_object_bytes);
+}
+RawlogReader::~RawlogReader() = default;
+RawlogReader::RawlogReader(RawlogReader&&) noexcept = default;
+
+std::optional<RawlogEntry> RawlogReader::next() {
+  if (impl_->ended) return std::nullopt;
+  impl_->stream.beginObject();
+  try {
+    const MemoryLimit limit(impl_->max_bytes);
+    auto object = impl_->archive->ReadObject();
+    ++impl_->objects;
+    return classify(std::move(object));
+  } catch (const std::bad_alloc&) {
+    impl_->stopDamaged("an object asks for more memory than allowed (corrupt length?)");
+  } catch (const std::exception&) {
+    // MRPT reports every failure inside an object as an end of file; the stream knows better.
+    impl_->explainFailure();
+  }
+  return std::nullopt;
+}
+
+const std::string& RawlogReader::damage() const { return impl_->damage; }
+std::uint64_t RawlogReader::objectsRead() const { return impl_->objects; }
+
+double RawlogReader::fractionRead() const {
+  const double size = static_cast<double>(impl_->stream.getTotalBytesCount());
+  return impl_->ended ? 1.0 : static_cast<double>(impl_->stream.getPosition()) / size;
+}
+
+}  // namespace dynemo
