@@ -1,0 +1,56 @@
+// The output folder of a run: streams that grow with it, and the results.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "dynemo/core/output_file.h"
+#include "dynemo/ingest/frame_source.h"
+#include "dynemo/pipeline/slam_pipeline.h"
+
+namespace dynemo {
+
+/// What the run is called in its summary.
+struct RunIdentity {
+  std::string version, setup, rawlog;
+};
+
+/// Wall, CPU and memory of the whole run; everything that differs between two equal runs.
+struct RunCost {
+  double wall_s = 0, cpu_s = 0, dataset_s = 0, peak_rss_mb = 0;
+};
+
+class RunFolder {
+ public:
+  /// Creates the folder and opens log.txt, timing.csv and optimizations.csv; writes config.yaml. Throws DataError when
+  /// it cannot.
+  RunFolder(const std::filesystem::path& folder, const DynemoParams& params);
+
+  void log(const std::string& line) { log_.line(line); }
+  void frame(std::uint64_t index, Stamp stamp, const FrameTiming& timing);
+  /// Appends the optimisations that are not in the file yet.
+  void optimizations(const std::vector<OptimizationRecord>& all);
+
+  /// Writes the light results (trajectories, entities, summary) of a run that goes on.
+  void checkpoint(SlamPipeline& pipeline, const IngestReport& ingest, const RunIdentity& identity);
+  /// Writes the configured outputs and summary.json. Tries every file even when one fails, then throws one DataError
+  /// that lists the failures.
+  void results(const SlamPipeline& pipeline, const IngestReport& ingest, const RunIdentity& identity);
+  /// Writes performance.json: means and maxima per stage, real-time factor, memory.
+  void performance(const RunCost& cost);
+
+ private:
+  void write(const std::vector<std::string>& outputs, const SlamPipeline& pipeline, const IngestReport& ingest,
+             const RunIdentity& identity);
+
+  std::filesystem::path folder_;
+  std::vector<std::string> outputs_;
+  std::string config_yaml_;
+  AppendFile log_, timing_, optimizations_;
+  std::size_t optimizations_written_ = 0;
+  double optimization_ms_ = 0;
+  std::vector<FrameTiming> timings_;
+};
+
+}  // namespace dynemo

@@ -1,0 +1,90 @@
+// The system on one page: frames in, a jointly optimised dynamic scene graph out (paper, Fig. 2).
+#pragma once
+
+#include <mrpt/system/COutputLogger.h>
+
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "dynemo/backend/optimizer.h"
+#include "dynemo/exporters/run_result.h"
+#include "dynemo/graph/scene_graph.h"
+#include "dynemo/ingest/sensor_frame.h"
+#include "dynemo/mapping/delta_builder.h"
+#include "dynemo/mapping/keyframe_policy.h"
+#include "dynemo/perception/entity_detector.h"
+#include "dynemo/pipeline/params.h"
+#include "dynemo/pipeline/stage_timer.h"
+
+namespace dynemo {
+
+/// One optimisation of the run, as listed in optimizations.csv.
+struct OptimizationRecord {
+  std::uint64_t frame = 0;
+  Stamp stamp;
+  OptimizationReport report;
+};
+
+class SlamPipeline : public mrpt::system::COutputLogger {
+ public:
+  /// The entity models must outlive the pipeline. Throws ConfigError on parameters that cannot work together.
+  SlamPipeline(const DynemoParams& params, const EntityModels& models);
+  ~SlamPipeline() override;
+
+  /// Takes the next frame, in order of time. `timing` already holds what the ingest took.
+  void process(const SensorFrame& frame, FrameTiming& timing);
+
+  /// Final optimisation, trajectory and covariances. More frames may follow.
+  void finish();
+  /// Brings frames() up to date with the graph as it stands.
+  void updateTrajectory();
+
+  const CSceneGraph& graph() const { return graph_; }
+  /// Frames so far; T_map_base is current as of the last finish().
+  const std::vector<FramePose>& frames() const { return frames_; }
+  RunResult result() const { return {graph_, frames_, entity_covariances_}; }
+  /// Covariance of the drift T_map_odom's right tangent as of the last finish(), when the gauge allows it.
+  const std::optional<Matrix6>& driftCovariance() const { return drift_covariance_; }
+  const std::vector<OptimizationRecord>& optimizations() const { return optimizations_; }
+  /// Counted warnings of all stages.
+  std::map<std::string, std::uint64_t> warnings() const;
+
+ private:
+  struct RobotState;
+
+  std::vector<EntityObservation> detect(const SensorFrame& frame, FrameTiming& timing);
+  RobotState track(const SensorFrame& frame, const std::vector<EntityObservation>& observations, FrameTiming& timing);
+  std::uint32_t decide(const SensorFrame& frame, const RobotState& robot,
+                       const std::vector<EntityObservation>& observations, FrameTiming& timing);
+  void record(const SensorFrame& frame, const RobotState& robot);
+  KeyframeData select(const SensorFrame& frame, const RobotState& robot, std::uint32_t reasons,
+                      std::vector<EntityObservation> observations, FrameTiming& timing);
+  void map(const KeyframeData& keyframe, FrameTiming& timing);
+  void optimize(const SensorFrame& frame, FrameTiming& timing);
+
+  std::map<EntityId, Matrix6> relativeCovariances(const std::vector<EntityObservation>& observations,
+                                                  const RobotState& robot, const Matrix6& odometry_covariance);
+  Matrix6 odometryCovariance(const SensorFrame& frame, const RobotState& robot) const;
+  std::optional<double> groundLevel(const SensorFrame& frame, const RobotState& robot) const;
+  void runOptimizer(std::uint64_t frame_index, Stamp stamp);
+  void updateCovariances();
+
+  DynemoParams params_;
+  std::vector<std::unique_ptr<EntityDetector>> detectors_;
+  KeyframePolicy policy_;
+  DeltaBuilder builder_;
+  Optimizer optimizer_;
+
+  CSceneGraph graph_;
+  std::vector<FramePose> frames_;
+  std::vector<std::size_t> keyframe_of_frame_;  ///< index of the latest keyframe at or before each frame
+  std::optional<OdometryState> keyframe_odometry_;
+  double path_since_keyframe_m_ = 0.0, path_since_keyframe_rad_ = 0.0;
+  std::map<NodeId, Matrix6> entity_covariances_;
+  std::optional<Matrix6> drift_covariance_;
+  std::vector<OptimizationRecord> optimizations_;
+  std::map<std::string, std::uint64_t> warnings_;
+};
+
+}  // namespace dynemo

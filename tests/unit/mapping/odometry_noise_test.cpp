@@ -1,0 +1,83 @@
+#include "dynemo/mapping/odometry_noise.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include "dynemo/core/noise.h"
+
+namespace dynemo {
+namespace {
+
+OdometryNoiseParams withoutJitter() {
+  OdometryNoiseParams p;
+  p.jitter_m = p.jitter_rad = 1e-9;
+  return p;
+}
+
+TEST(OdometryNoise, RecordedGrowthIsRecovered) {
+  const Pose3 T_odom_a = Pose3::fromYawPitchRoll(3, -2, 0.1, 1.2, 0.02, -0.01);
+  const Pose3 T_a_b = Pose3::fromYawPitchRoll(1.0, 0.2, 0, 0.4, 0, 0);
+  const Matrix6 Q = isotropicCovariance(0.03, 0.01);
+  const Matrix6 cov_a = isotropicCovariance(0.2, 0.05);
+  const Matrix6 A = composeJacobianLeft(T_a_b);
+  const OdometryState a{T_odom_a, cov_a}, b{T_odom_a * T_a_b, A * cov_a * A.transpose() + Q};
+  EXPECT_LT((relativeOdometryCovariance(a, b, 1, 0.4, withoutJitter()) - Q).norm(), 1e-9);
+}
+
+TEST(OdometryNoise, AShrinkingRecordedCovarianceStaysPositiveDefinite) {
+  Matrix6 cov_b = isotropicCovariance(0.1, 0.05);
+  cov_b(0, 0) = 0.5;  // grows along x, shrinks elsewhere
+  const OdometryState a{Pose3(), isotropicCovariance(0.2, 0.05)}, b{Pose3(), cov_b};
+  const Matrix6 cov = relativeOdometryCovariance(a, b, 1, 0, OdometryNoiseParams());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Matrix6>(cov).eigenvalues().minCoeff(), 0.0);
+}
+
+TEST(OdometryNoise, TheModelGrowsWithDistanceAndAngle) {
+  const OdometryState s{Pose3(), std::nullopt};
+  const auto p = withoutJitter();
+  const Matrix6 one = relativeOdometryCovariance(s, s, 1.0, 0.0, p), four = relativeOdometryCovariance(s, s, 4.0, 0.0, p);
+  EXPECT_NEAR(four(0, 0) / one(0, 0), 4.0, 1e-6);
+  EXPECT_NEAR(one(0, 0), p.translation_per_sqrt_m * p.translation_per_sqrt_m, 1e-9);
+  EXPECT_GT(relativeOdometryCovariance(s, s, 1.0, 1.0, p)(5, 5), one(5, 5));
+}
+
+TEST(OdometryNoise, AtRestTheJitterRemains) {
+  const OdometryState s{Pose3(), isotropicCovariance(0.1, 0.1)};
+  const OdometryNoiseParams p;
+  EXPECT_NEAR(relativeOdometryCovariance(s, s, 0, 0, p)(0, 0), p.jitter_m * p.jitter_m, 1e-12);
+}
+
+TEST(OdometryNoise, MissingOdometryIsAlmostFree) {
+  const OdometryNoiseParams p;
+  const Matrix6 cov = relativeOdometryCovariance(std::nullopt, OdometryState{}, 0, 0, p);
+  EXPECT_NEAR(cov(0, 0), p.missing_sigma_m * p.missing_sigma_m, 1e-12);
+}
+
+Scan cube(double spacing_m) {
+  Scan scan;
+  scan.T_base_lidar = Pose3::fromYawPitchRoll(0.1, 0.2, 0.5, 0.3, 0, 0);
+  for (double x = 0; x < 4; x += spacing_m) {
+    for (double y = 0; y < 4; y += spacing_m) {
+      scan.cloud.points.push_back((scan.T_base_lidar.inverse() * Vector3(x, y, 0.1 * x * y)).cast<float>());
+    }
+  }
+  return scan;
+}
+
+TEST(ScanFitness, IsZeroUnderTheTruePoseAndTheSquaredOffsetNearby) {
+  const Scan scan = cube(0.5);
+  EXPECT_NEAR(scanFitness(scan, scan, Pose3()), 0.0, 1e-9);
+  EXPECT_NEAR(scanFitness(scan, scan, Pose3::translation(0.1, 0, 0)), 0.01, 1e-4);
+  EXPECT_TRUE(std::isinf(scanFitness(scan, Scan(), Pose3())));
+}
+
+TEST(ScanFitness, CovarianceRunsFromTheSmallestToTheLargest) {
+  const OdometryNoiseParams p;
+  EXPECT_NEAR(std::sqrt(fitnessCovariance(0.0, p)(0, 0)), p.fitness_min_sigma_m, 1e-12);
+  EXPECT_NEAR(std::sqrt(fitnessCovariance(p.fitness_max_m2, p)(5, 5)), p.fitness_max_sigma_rad, 1e-12);
+  EXPECT_NEAR(std::sqrt(fitnessCovariance(std::numeric_limits<double>::infinity(), p)(0, 0)), p.fitness_max_sigma_m, 1e-12);
+}
+
+}  // namespace
+}  // namespace dynemo
