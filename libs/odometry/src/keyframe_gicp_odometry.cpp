@@ -112,7 +112,7 @@ OdometryEstimate KeyframeGicpOdometry::estimateOf(Stamp stamp, const Registratio
                             T_keyframe_last_.inverse() * found.T_target_base};
   const Matrix6 covariance = found.covariance.topLeftCorner<6, 6>();
   estimate.covariance = relativeCovariance(estimate.T_prev_base, last_covariance_, covariance);
-  estimate.twist = twistOf(estimate.T_prev_base, secondsBetween(last_stamp_, stamp));
+  estimate.motion.twist = twistOf(estimate.T_prev_base, secondsBetween(last_stamp_, stamp));
   estimate.diagnostics = found.diagnostics;
   T_keyframe_last_ = found.T_target_base;
   last_covariance_ = covariance;

@@ -7,14 +7,11 @@
 #include "dynemo/core/noise.h"
 #include "dynemo/odometry/adaptive_threshold.h"
 #include "dynemo/odometry/worker_pool.h"
+#include "first_sweeps.h"
 #include "relative_covariance.h"
 
 namespace dynemo {
 namespace {
-
-/// Rounds of alternating registration of the first two sweeps; the second changes poses by less
-/// than a millimetre.
-constexpr int kFirstSweepRounds = 2;
 
 /// One sweep, its point times and their middle.
 struct Sweep {
@@ -32,7 +29,7 @@ struct ScanState {
   Pose3 T_odom_base;
   /// Of the right tangent of T_odom_base, given the map.
   Matrix6 covariance = Matrix6::Zero();
-  BodyTwist twist;
+  SweepMotion motion;
   std::optional<Pose3> T_log_base;
 
   double middleAfter(const ScanState& earlier) const {
@@ -64,15 +61,17 @@ class LocalMapOdometry final : public ScanOdometry {
   Expected<OdometryEstimate, OdometryFailure> begin(const ScanState& now);
   Expected<OdometryEstimate, OdometryFailure> lose(OdometryFailure why, const Predicted& predicted);
   Predicted predict(const Sweep& sweep, const std::optional<Pose3>& T_log_base) const;
-  SurfacePoints surfaceOf(const Sweep& sweep, const BodyTwist& twist);
+  SurfacePoints surfaceOf(const Sweep& sweep, const SweepMotion& motion);
   RegistrationPrior priorOf(const Predicted& predicted) const;
   Expected<Registration, OdometryFailure> match(const SurfacePoints& surface,
                                                 const Predicted& predicted);
-  Expected<Registration, OdometryFailure> untangleFirstSweeps(const Predicted& predicted,
-                                                              Registration found);
-  void insert(const SurfacePoints& surface, const Pose3& T_odom_middle, const BodyTwist& twist);
   ScanState stateOf(const Predicted& predicted, const Registration& found) const;
-  void accept(const ScanState& now, const Predicted& predicted);
+  const ScanState& accept(ScanState now, const Predicted& predicted);
+  void beginMap(const ScanState& now);
+  void addToMap(ScanState& now);
+  MappedSweep mapped(const ScanState& now) const {
+    return {surface_, now.stamp, now.middle_s, now.T_odom_middle, now.motion};
+  }
   void forgetFarCells(const Vector3& center);
 
   PointTimeParams point_times_;
@@ -81,8 +80,8 @@ class LocalMapOdometry final : public ScanOdometry {
   VoxelHashMap map_;
   AdaptiveThreshold threshold_;
   std::optional<ScanState> last_;
-  /// The sweep that began the map, until its motion is known.
-  std::optional<Sweep> first_;
+  /// Until the map's beginning is settled.
+  std::optional<FirstSweeps> first_;
   Sweep sweep_;
   SurfacePoints surface_;
   int lost_scans_ = 0;
@@ -102,37 +101,48 @@ Expected<OdometryEstimate, OdometryFailure> LocalMapOdometry::update(
     T_log_base = rawlog_odometry->T_odom_base;
 
   const Predicted predicted = predict(sweep_, T_log_base);
-  surface_ = surfaceOf(sweep_, predicted.state.twist);
+  surface_ = surfaceOf(sweep_, predicted.state.motion);
   if (surface_.size() < static_cast<std::size_t>(params_.min_points)) {
     return make_unexpected(OdometryFailure::kTooFewPoints);
   }
   if (!last_) return begin(predicted.state);
 
-  auto found = match(surface_, predicted);
-  if (found && first_ && surface_.timed()) found = untangleFirstSweeps(predicted, *found);
+  const auto found = match(surface_, predicted);
   if (!found) return lose(found.error(), predicted);
-  first_.reset();
 
-  const ScanState now = stateOf(predicted, *found);
+  const ScanState before = *last_;
+  const ScanState& now = accept(stateOf(predicted, *found), predicted);
   OdometryEstimate estimate{now.stamp, now.T_odom_base,
-                            last_->T_odom_base.inverse() * now.T_odom_base};
-  estimate.covariance = relativeCovariance(estimate.T_prev_base, last_->covariance, now.covariance);
-  estimate.twist = now.twist;
+                            before.T_odom_base.inverse() * now.T_odom_base};
+  estimate.covariance = relativeCovariance(estimate.T_prev_base, before.covariance, now.covariance);
+  estimate.motion = now.motion;
   estimate.diagnostics = found->diagnostics;
-  accept(now, predicted);
   return estimate;
 }
 
-/// The first sweep's motion is unknown: at rest until the second sweep tells.
+/// The first sweep's motion is unknown: at rest until the next ones tell.
 Expected<OdometryEstimate, OdometryFailure> LocalMapOdometry::begin(const ScanState& now) {
-  insert(surface_, now.T_odom_middle, now.twist);
-  first_ = std::move(sweep_);
+  beginMap(now);
   OdometryEstimate estimate{now.stamp, now.T_odom_base, Pose3()};
-  estimate.twist = now.twist;
+  estimate.motion = now.motion;
   estimate.diagnostics.points = surface_.size();
   estimate.diagnostics.inlier_ratio = 1.0;
-  last_ = now;
   return estimate;
+}
+
+void LocalMapOdometry::beginMap(const ScanState& now) {
+  map_.clear();
+  insertSweep(mapped(now), map_);
+  first_.reset();
+  if (surface_.timed()) {
+    RegistrationPrior prior =
+        priorOf({now, Matrix6::Identity(), params_.prediction.max_gap_s, true});
+    prior.correspondence_m = 2.0 * params_.registration.min_correspondence_m;
+    first_.emplace(params_.registration, prior, pool_);
+    first_->add(mapped(now), map_);
+  }
+  last_ = now;
+  lost_scans_ = 0;
 }
 
 /// A scan that does not fit leaves everything as it was; after too many the map is begun anew at
@@ -143,15 +153,11 @@ Expected<OdometryEstimate, OdometryFailure> LocalMapOdometry::lose(OdometryFailu
   OdometryEstimate estimate{predicted.state.stamp, predicted.state.T_odom_base,
                             last_->T_odom_base.inverse() * predicted.state.T_odom_base};
   estimate.covariance = predicted.covariance;
-  estimate.twist = predicted.state.twist;
+  estimate.motion = predicted.state.motion;
   estimate.restarted = true;
   estimate.diagnostics.points = surface_.size();
-  map_.clear();
-  first_.reset();
   threshold_ = AdaptiveThreshold(params_.initial_sigma_m, params_.sigma_memory);
-  insert(surface_, predicted.state.T_odom_middle, predicted.state.twist);
-  last_ = predicted.state;
-  lost_scans_ = 0;
+  beginMap(predicted.state);
   return estimate;
 }
 
@@ -171,16 +177,21 @@ LocalMapOdometry::Predicted LocalMapOdometry::predict(
   p.velocity_known = by_log || p.dt_s <= params_.prediction.max_gap_s;
   if (by_log) {
     const Pose3 T_prev_base = last_->T_log_base->inverse() * *T_log_base;
-    p.state.twist = twistOf(T_prev_base, p.dt_s);
+    p.state.motion.twist = twistOf(T_prev_base, p.dt_s);
     p.state.T_odom_base = last_->T_odom_base * T_prev_base;
-    p.state.T_odom_middle = p.state.T_odom_base * moved(p.state.twist, p.state.middle_s);
+    p.state.T_odom_middle = p.state.T_odom_base * p.state.motion.at(p.state.middle_s);
     p.covariance = isotropicCovariance(params_.prediction.odometry_sigma_translation_m,
                                        params_.prediction.odometry_sigma_rotation_rad);
     return p;
   }
-  if (p.velocity_known) p.state.twist = last_->twist;
-  p.state.T_odom_middle = last_->T_odom_middle * moved(p.state.twist, p.state.middleAfter(*last_));
-  p.state.T_odom_base = p.state.T_odom_middle * moved(p.state.twist, -p.state.middle_s);
+  const double middles_s = p.state.middleAfter(*last_);
+  p.state.T_odom_middle = last_->T_odom_middle;
+  if (p.velocity_known) {
+    p.state.T_odom_middle = last_->T_odom_middle * last_->motion.at(middles_s);
+    p.state.motion.twist = BodyTwist::fromVector(last_->motion.twist.vector() +
+                                                 middles_s * last_->motion.acceleration.vector());
+  }
+  p.state.T_odom_base = p.state.T_odom_middle * p.state.motion.at(-p.state.middle_s);
   const double dt2 = p.dt_s * p.dt_s;
   p.covariance = isotropicCovariance(
       params_.prediction.sigma_acceleration_m_s2 * dt2,
@@ -188,8 +199,8 @@ LocalMapOdometry::Predicted LocalMapOdometry::predict(
   return p;
 }
 
-SurfacePoints LocalMapOdometry::surfaceOf(const Sweep& sweep, const BodyTwist& twist) {
-  return extractSurface(sweep.scan, sweep.times_s, sweep.middle_s, twist, sweep.ignored,
+SurfacePoints LocalMapOdometry::surfaceOf(const Sweep& sweep, const SweepMotion& motion) {
+  return extractSurface(sweep.scan, sweep.times_s, sweep.middle_s, motion, sweep.ignored,
                         params_.surface, pool_);
 }
 
@@ -197,7 +208,7 @@ RegistrationPrior LocalMapOdometry::priorOf(const Predicted& predicted) const {
   RegistrationPrior prior;
   prior.T_target_base = predicted.state.T_odom_middle;
   prior.covariance = predicted.covariance;
-  prior.twist = predicted.state.twist;
+  prior.motion = predicted.state.motion;
   const double dt_s = std::min(predicted.dt_s, params_.prediction.max_gap_s);
   prior.sigma_linear_m_s = params_.prediction.sigma_acceleration_m_s2 * dt_s;
   prior.sigma_angular_rad_s = params_.prediction.sigma_angular_acceleration_rad_s2 * dt_s;
@@ -228,76 +239,51 @@ Expected<Registration, OdometryFailure> LocalMapOdometry::match(const SurfacePoi
   return best;
 }
 
-/// Registers the first sweep to the second one and back, each with its own twist. The odometry
-/// frame stays where the base was at the first stamp.
-Expected<Registration, OdometryFailure> LocalMapOdometry::untangleFirstSweeps(
-    const Predicted& predicted, Registration found) {
-  Predicted earlier = predicted;
-  earlier.state.T_odom_middle = last_->T_odom_middle;
-  earlier.state.twist = found.twist;
-  for (int round = 0; round < kFirstSweepRounds; ++round) {
-    map_.clear();
-    surface_ = surfaceOf(sweep_, found.twist);
-    insert(surface_, found.T_target_base, found.twist);
-    SurfacePoints first_surface = surfaceOf(*first_, earlier.state.twist);
-    const auto first =
-        registerScan(first_surface, map_, priorOf(earlier), params_.registration, pool_);
-    if (!first) return first;
-    earlier.state.twist = first->twist;
-    earlier.state.T_odom_middle = moved(first->twist, first_->middle_s);
-    first_surface = surfaceOf(*first_, first->twist);
-    map_.clear();
-    insert(first_surface, earlier.state.T_odom_middle, first->twist);
-
-    Predicted later = predicted;
-    later.state.twist = found.twist;
-    later.state.T_odom_middle =
-        earlier.state.T_odom_middle * first->T_target_base.inverse() * found.T_target_base;
-    const auto again = registerScan(surface_, map_, priorOf(later), params_.registration, pool_);
-    if (!again) return again;
-    found = *again;
-  }
-  last_->twist = earlier.state.twist;
-  last_->T_odom_middle = earlier.state.T_odom_middle;
-  return found;
-}
-
-void LocalMapOdometry::insert(const SurfacePoints& surface, const Pose3& T_odom_middle,
-                              const BodyTwist& twist) {
-  const Eigen::Vector3f linear = twist.linear_m_s.cast<float>();
-  const Eigen::Vector3f angular = twist.angular_rad_s.cast<float>();
-  const Eigen::Matrix3f R = T_odom_middle.R.cast<float>();
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    Eigen::Vector3f p = surface.points[i];
-    if (surface.timed()) p = carriedToReference<float>(linear, angular, surface.time_s[i], p);
-    map_.insert((T_odom_middle * p.cast<double>()).cast<float>(), R * surface.normals[i]);
-  }
-}
-
 ScanState LocalMapOdometry::stateOf(const Predicted& predicted, const Registration& found) const {
   ScanState now = predicted.state;
   now.T_odom_middle = found.T_target_base;
-  now.twist = surface_.timed() ? found.twist
-                               : twistOf(last_->T_odom_middle.inverse() * now.T_odom_middle,
-                                         now.middleAfter(*last_));
-  const Pose3 T_middle_base = moved(now.twist, -now.middle_s);
+  now.motion = found.motion;
+  if (!surface_.timed()) {
+    now.motion = {
+        twistOf(last_->T_odom_middle.inverse() * now.T_odom_middle, now.middleAfter(*last_)), {}};
+  }
+  const double tau_s = -now.middle_s;
+  const Pose3 T_middle_base = now.motion.at(tau_s);
   now.T_odom_base = (now.T_odom_middle * T_middle_base).normalized();
-  Eigen::Matrix<double, 6, 12> J;
-  J << composeJacobianLeft(T_middle_base), -now.middle_s * Matrix6::Identity();
+  Eigen::Matrix<double, 6, 18> J;
+  J << composeJacobianLeft(T_middle_base), tau_s * Matrix6::Identity(),
+      0.5 * tau_s * tau_s * Matrix6::Identity();
   now.covariance = J * found.covariance * J.transpose();
   return now;
 }
 
-void LocalMapOdometry::accept(const ScanState& now, const Predicted& predicted) {
+const ScanState& LocalMapOdometry::accept(ScanState now, const Predicted& predicted) {
   double range_sum_m = 0.0;
   for (const Eigen::Vector3f& p : surface_.points) range_sum_m += static_cast<double>(p.norm());
   const Vector6 error = local(predicted.state.T_odom_middle, now.T_odom_middle);
   threshold_.add(error.head<3>().norm(), error.tail<3>().norm(),
                  range_sum_m / static_cast<double>(surface_.size()));
-  insert(surface_, now.T_odom_middle, now.twist);
+  addToMap(now);
   forgetFarCells(now.T_odom_middle.t);
   last_ = now;
   lost_scans_ = 0;
+  return *last_;
+}
+
+/// The beginning of the map may be built again, which moves the newest sweep too.
+void LocalMapOdometry::addToMap(ScanState& now) {
+  insertSweep(mapped(now), map_);
+  if (!first_) return;
+  if (!surface_.timed()) {
+    first_.reset();
+    return;
+  }
+  if (first_->add(mapped(now), map_)) {
+    now.T_odom_middle = first_->last().T_odom_middle;
+    now.motion = first_->last().motion;
+    now.T_odom_base = now.T_odom_middle * now.motion.at(-now.middle_s);
+  }
+  if (first_->complete()) first_.reset();
 }
 
 void LocalMapOdometry::forgetFarCells(const Vector3& center) {

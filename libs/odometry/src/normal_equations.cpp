@@ -2,27 +2,35 @@
 
 namespace dynemo {
 
+NormalEquations::Terms NormalEquations::termsOf(const Vector6& a, const WeightedResidual& r) {
+  Terms terms;
+  int entry = 0;
+  for (int row = 0; row < 6; ++row) {
+    const double scaled = r.weight_normal * a[row];
+    for (int col = row; col < 6; ++col) terms[entry++] = scaled * a[col];
+  }
+  terms[entry++] = r.weight_isotropic;
+  for (int row = 0; row < 3; ++row) terms[entry++] = r.weight_isotropic * r.s[row];
+  for (int row = 0; row < 3; ++row) {
+    for (int col = row; col < 3; ++col) terms[entry++] = r.weight_isotropic * r.s[row] * r.s[col];
+  }
+  terms[entry] = 0.0;
+  return terms;
+}
+
 void NormalEquations::add(const WeightedResidual& r) {
-  Vector6 a;
+  Vector6 a, pull;
   a << r.b, r.s.cross(r.b);
-  Vector6 pull;
   pull << r.e, r.s.cross(r.e);
-  double wn = r.weight_normal, wi = r.weight_isotropic;
-  const Vector6 force = wn * r.along_normal * a + wi * pull;
-  double tau_power = 1.0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(orders_); ++k) {
-    std::size_t entry = 0;
-    for (int row = 0; row < 6; ++row) {
-      const double scaled = wn * a[row];
-      for (int col = row; col < 6; ++col) normal_[k][entry++] += scaled * a[col];
-    }
-    gradient_[k] += tau_power * force;
-    mass_[k] += wi;
-    moment_[k] += wi * r.s;
-    inertia_[k].noalias() += (wi * r.s) * r.s.transpose();
-    tau_power *= r.tau_s;
-    wn *= r.tau_s;
-    wi *= r.tau_s;
+  const Terms terms = termsOf(a, r);
+  const Vector6 force = (r.weight_normal * r.along_normal) * a + r.weight_isotropic * pull;
+  sums_[0] += terms;
+  gradient_[0] += force;
+  double power = 1.0;
+  for (std::size_t k = 1; k <= static_cast<std::size_t>(2 * degree_); ++k) {
+    power *= r.tau_s;
+    sums_[k] += power * terms;
+    if (k <= kDegree) gradient_[k] += power * force;
   }
   weight_sum += r.weight_normal;
   squared_residuals += r.weight_normal * r.along_normal * r.along_normal;
@@ -30,13 +38,8 @@ void NormalEquations::add(const WeightedResidual& r) {
 }
 
 void NormalEquations::add(const NormalEquations& other) {
-  for (std::size_t k = 0; k < static_cast<std::size_t>(orders_); ++k) {
-    for (std::size_t i = 0; i < kUpper; ++i) normal_[k][i] += other.normal_[k][i];
-    gradient_[k] += other.gradient_[k];
-    mass_[k] += other.mass_[k];
-    moment_[k] += other.moment_[k];
-    inertia_[k] += other.inertia_[k];
-  }
+  for (std::size_t k = 0; k < sums_.size(); ++k) sums_[k] += other.sums_[k];
+  for (std::size_t k = 0; k < gradient_.size(); ++k) gradient_[k] += other.gradient_[k];
   matched += other.matched;
   inliers += other.inliers;
   weight_sum += other.weight_sum;
@@ -44,31 +47,32 @@ void NormalEquations::add(const NormalEquations& other) {
   squared_levers += other.squared_levers;
 }
 
-Matrix6 NormalEquations::normalHessian(int order) const {
+Matrix6 NormalEquations::normalPart(int order) const {
+  const Terms& terms = sums_[static_cast<std::size_t>(order)];
   Matrix6 H;
-  std::size_t entry = 0;
+  int entry = 0;
   for (int row = 0; row < 6; ++row) {
-    for (int col = row; col < 6; ++col) {
-      H(row, col) = H(col, row) = normal_[static_cast<std::size_t>(order)][entry++];
-    }
+    for (int col = row; col < 6; ++col) H(row, col) = H(col, row) = terms[entry++];
   }
   return H;
 }
 
 Matrix6 NormalEquations::hessian(int order) const {
-  const auto k = static_cast<std::size_t>(order);
-  Matrix6 H = normalHessian(order);
+  const Terms& terms = sums_[static_cast<std::size_t>(order)];
+  const double mass = terms[kUpper];
+  const Matrix3 cross = skew(terms.segment<3>(kUpper + 1).matrix());
+  Matrix3 inertia;
+  int entry = kUpper + 4;
+  for (int row = 0; row < 3; ++row) {
+    for (int col = row; col < 3; ++col) inertia(row, col) = inertia(col, row) = terms[entry++];
+  }
   // AᵀA = [I, −[s]×; [s]×, |s|² I − s sᵀ].
-  const Matrix3 cross = skew(moment_[k]);
-  H.topLeftCorner<3, 3>() += mass_[k] * Matrix3::Identity();
+  Matrix6 H = normalPart(order);
+  H.topLeftCorner<3, 3>() += mass * Matrix3::Identity();
   H.topRightCorner<3, 3>() -= cross;
   H.bottomLeftCorner<3, 3>() += cross;
-  H.bottomRightCorner<3, 3>() += inertia_[k].trace() * Matrix3::Identity() - inertia_[k];
+  H.bottomRightCorner<3, 3>() += inertia.trace() * Matrix3::Identity() - inertia;
   return H;
-}
-
-Vector6 NormalEquations::gradient(int order) const {
-  return gradient_[static_cast<std::size_t>(order)];
 }
 
 }  // namespace dynemo

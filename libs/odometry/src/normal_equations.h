@@ -1,8 +1,8 @@
 // Sums of the Gauss–Newton equations of one scan's registration.
 //
-// A world-axes perturbation (dt, dθ) of the pose and (dv, dω) of the twist moves a point at lever
-// arm s from the base and time τ from the reference by A dt_dθ + τ A dv_dω with A = [I, −[s]×]. The
-// residual e = q − p is weighted with
+// A world-axes perturbation d = (dt, dθ) of the pose, dξ of the twist and dα of the acceleration
+// moves a point at lever arm s from the base and time τ from the reference by A (d + τ dξ + τ²/2
+// dα) with A = [I, −[s]×]. The residual e = q − p is weighted with
 //   M = w (k b bᵀ + ε I),
 // b the bisector of the two normals: a row a = [b; s×b] along it and the small isotropic part ε.
 #pragma once
@@ -24,15 +24,20 @@ struct WeightedResidual {
 
 class NormalEquations {
  public:
-  explicit NormalEquations(bool timed) : orders_(timed ? 3 : 1) {}
+  /// Highest power of τ in the motion.
+  static constexpr int kDegree = 2;
+
+  /// A scan of one instant needs the sums of order 0 only.
+  explicit NormalEquations(bool timed) : degree_(timed ? kDegree : 0) {}
 
   void add(const WeightedResidual& r);
   void add(const NormalEquations& other);
 
-  /// Σ τᵏ AᵀMA without and with the isotropic part, Σ τᵏ AᵀM e.
-  Matrix6 normalHessian(int order) const;
+  /// Σ τᵏ AᵀMA without the isotropic part (order 0), and with it.
+  Matrix6 normalHessian() const { return normalPart(0); }
   Matrix6 hessian(int order) const;
-  Vector6 gradient(int order) const;
+  /// Σ τᵏ AᵀM e.
+  const Vector6& gradient(int order) const { return gradient_[static_cast<std::size_t>(order)]; }
 
   std::size_t matched = 0, inliers = 0;
   double weight_sum = 0.0;
@@ -40,14 +45,19 @@ class NormalEquations {
   double squared_residuals = 0.0, squared_levers = 0.0;
 
  private:
+  /// Per order: the upper triangle of Σ wk a aᵀ (21), Σ wε (1), Σ wε s (3), the upper triangle of Σ
+  /// wε s sᵀ (6).
   static constexpr int kUpper = 21;
-  int orders_;
-  std::array<std::array<double, kUpper>, 3> normal_{};
-  std::array<Vector6, 3> gradient_{Vector6::Zero(), Vector6::Zero(), Vector6::Zero()};
-  /// Σ wε τᵏ {1, s, s sᵀ}.
-  std::array<double, 3> mass_{};
-  std::array<Vector3, 3> moment_{Vector3::Zero(), Vector3::Zero(), Vector3::Zero()};
-  std::array<Matrix3, 3> inertia_{Matrix3::Zero(), Matrix3::Zero(), Matrix3::Zero()};
+  static constexpr int kTerms = kUpper + 10;
+  using Terms = Eigen::Array<double, kTerms + 1, 1>;
+
+  static Terms termsOf(const Vector6& a, const WeightedResidual& r);
+  Matrix6 normalPart(int order) const;
+
+  int degree_;
+  std::array<Terms, 2 * kDegree + 1> sums_{Terms::Zero(), Terms::Zero(), Terms::Zero(),
+                                           Terms::Zero(), Terms::Zero()};
+  std::array<Vector6, kDegree + 1> gradient_{Vector6::Zero(), Vector6::Zero(), Vector6::Zero()};
 };
 
 }  // namespace dynemo

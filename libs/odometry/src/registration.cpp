@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -14,12 +15,15 @@ namespace {
 /// Points per partial sum; fixed, so that sums do not depend on the number of threads.
 constexpr std::size_t kBlock = 256;
 
-using Vector12 = Eigen::Matrix<double, 12, 1>;
-using Matrix12 = Eigen::Matrix<double, 12, 12>;
+/// [pose; twist; acceleration].
+using Vector18 = Eigen::Matrix<double, 18, 1>;
+using Matrix18 = MotionCovariance;
+/// Factors of the powers of τ in the motion.
+constexpr std::array<double, NormalEquations::kDegree + 1> kTaylor{1.0, 1.0, 0.5};
 
 struct Iterate {
   Pose3 T_target_base;
-  BodyTwist twist;
+  SweepMotion motion;
 };
 
 /// How strict an iteration is.
@@ -28,10 +32,18 @@ struct Strictness {
   double kernel_m;
 };
 
-struct Step {
-  Vector12 d = Vector12::Zero();
-  /// Inverse of the weighted Hessian times the residual variance, world axes.
-  Matrix12 covariance = Matrix12::Zero();
+/// The equations of one step: rotations scaled to lengths, world axes.
+struct System {
+  double lever_m = 1.0;
+  Matrix18 information = Matrix18::Zero();
+  Vector18 pull = Vector18::Zero();
+
+  /// Factors that turn the unknowns back into radians.
+  Vector18 unscale() const {
+    Vector18 u = Vector18::Ones();
+    for (int i = 3; i < 18; i += 6) u.segment<3>(i).setConstant(1.0 / lever_m);
+    return u;
+  }
 };
 
 class Solver {
@@ -52,12 +64,13 @@ class Solver {
                       std::size_t end, NormalEquations& sums) const;
   bool weigh(const Correspondence& match, const Eigen::Vector3f& normal, double kernel_m,
              WeightedResidual& r) const;
-  Step solve(const Iterate& at, const NormalEquations& sums);
-  Matrix12 scaledInformation(const NormalEquations& sums, const Vector6& scale,
-                             double variance) const;
-  bool converged(const Step& step) const;
-  void apply(const Step& step, Iterate& at) const;
-  Registration result(const Iterate& at, const Step& step, const NormalEquations& sums,
+  System buildSystem(const Iterate& at, const NormalEquations& sums);
+  void addData(const NormalEquations& sums, System& system) const;
+  void addPosePrior(const Iterate& at, System& system) const;
+  void addMotionPrior(const Iterate& at, System& system) const;
+  bool converged(const Vector18& step) const;
+  void apply(const Vector18& step, Iterate& at) const;
+  Registration result(const Iterate& at, const System& system, const NormalEquations& sums,
                       int iterations) const;
 
   const SurfacePoints& scan_;
@@ -104,8 +117,7 @@ bool Solver::weigh(const Correspondence& match, const Eigen::Vector3f& normal, d
 
 void Solver::linearizeBlock(const Iterate& at, const Strictness& strictness, std::size_t begin,
                             std::size_t end, NormalEquations& sums) const {
-  const Eigen::Vector3f linear = at.twist.linear_m_s.cast<float>();
-  const Eigen::Vector3f angular = at.twist.angular_rad_s.cast<float>();
+  const PointCarrier carrier(at.motion);
   const Eigen::Matrix3f R = at.T_target_base.R.cast<float>();
   const CorrespondenceGate gate{static_cast<float>(strictness.correspondence_m),
                                 static_cast<float>(params_.min_normal_cosine), prior_.wide};
@@ -114,7 +126,7 @@ void Solver::linearizeBlock(const Iterate& at, const Strictness& strictness, std
   for (std::size_t i = begin; i < end; ++i) {
     Eigen::Vector3f p_base = scan_.points[i];
     if (scan_.timed()) {
-      p_base = carriedToReference<float>(linear, angular, scan_.time_s[i], p_base);
+      p_base = carrier.toReference(scan_.time_s[i], p_base);
       r.tau_s = static_cast<double>(scan_.time_s[i]);
     }
     r.s = at.T_target_base.R * p_base.cast<double>();
@@ -139,99 +151,102 @@ NormalEquations Solver::linearize(const Iterate& at, const Strictness& strictnes
   return sums;
 }
 
-Matrix12 Solver::scaledInformation(const NormalEquations& sums, const Vector6& scale,
-                                   double variance) const {
-  const auto block = [&](int order) -> Matrix6 {
-    const Matrix6 H =
-        scale.cwiseInverse().asDiagonal() * sums.hessian(order) * scale.cwiseInverse().asDiagonal();
-    return degeneracy_.projector * H * degeneracy_.projector / variance;
+/// The scan's own information, in the directions it observes.
+void Solver::addData(const NormalEquations& sums, System& system) const {
+  const double variance = std::max(params_.min_residual_m * params_.min_residual_m,
+                                   sums.squared_residuals / sums.weight_sum);
+  const Vector6 unscale = system.unscale().head<6>();
+  const int degree = scan_.timed() ? NormalEquations::kDegree : 0;
+  for (int i = 0; i <= degree; ++i) {
+    const double factor_i = kTaylor[static_cast<std::size_t>(i)];
+    system.pull.segment<6>(6 * i) =
+        factor_i / variance * (degeneracy_.projector * unscale.cwiseProduct(sums.gradient(i)));
+    for (int j = 0; j <= degree; ++j) {
+      const Matrix6 H = unscale.asDiagonal() * sums.hessian(i + j) * unscale.asDiagonal();
+      system.information.block<6, 6>(6 * i, 6 * j) =
+          factor_i * kTaylor[static_cast<std::size_t>(j)] / variance *
+          (degeneracy_.projector * H * degeneracy_.projector);
+    }
+  }
+}
+
+/// Carries the unobserved directions of the pose.
+void Solver::addPosePrior(const Iterate& at, System& system) const {
+  if (!degeneracy_.any()) return;
+  Matrix6 world = Matrix6::Zero();  // tangent in the base's axes → scaled world axes
+  world.topLeftCorner<3, 3>() = at.T_target_base.R;
+  world.bottomRightCorner<3, 3>() = system.lever_m * at.T_target_base.R;
+  const Matrix6 unobserved = Matrix6::Identity() - degeneracy_.projector;
+  const Matrix6 information =
+      unobserved * (world * prior_.covariance * world.transpose()).inverse() * unobserved;
+  system.information.topLeftCorner<6, 6>() += information;
+  system.pull.head<6>() += information * (world * local(at.T_target_base, prior_.T_target_base));
+}
+
+void Solver::addMotionPrior(const Iterate& at, System& system) const {
+  const Matrix3& R = at.T_target_base.R;
+  const auto add = [&](int offset, const BodyTwist& expected, const BodyTwist& now,
+                       double sigma_linear, double sigma_angular) {
+    Vector6 information, error;
+    information << Vector3::Constant(std::pow(sigma_linear, -2)),
+        Vector3::Constant(std::pow(system.lever_m * sigma_angular, -2));
+    error << R * (expected.linear_m_s - now.linear_m_s),
+        system.lever_m * (R * (expected.angular_rad_s - now.angular_rad_s));
+    system.information.diagonal().segment<6>(offset) += information;
+    system.pull.segment<6>(offset) += information.cwiseProduct(error);
   };
-  Matrix12 information = Matrix12::Zero();
-  information.topLeftCorner<6, 6>() = block(0);
-  if (!scan_.timed()) return information;
-  information.topRightCorner<6, 6>() = block(1);
-  information.bottomLeftCorner<6, 6>() = block(1);
-  information.bottomRightCorner<6, 6>() = block(2);
-  return information;
+  add(6, prior_.motion.twist, at.motion.twist, prior_.sigma_linear_m_s, prior_.sigma_angular_rad_s);
+  add(12, prior_.motion.acceleration, at.motion.acceleration, prior_.sigma_acceleration_m_s2,
+      prior_.sigma_angular_acceleration_rad_s2);
 }
 
 /// Gauss–Newton in world axes with the rotations scaled by the points' mean lever arm, so that all
 /// unknowns are lengths and the degeneracy test compares like with like.
-Step Solver::solve(const Iterate& at, const NormalEquations& sums) {
-  const double lever_m = std::sqrt(std::max(1e-6, sums.squared_levers / sums.weight_sum));
-  const Matrix3& R = at.T_target_base.R;
-  Vector6 scale;
-  scale << 1, 1, 1, lever_m, lever_m, lever_m;
-  const Vector6 unscale = scale.cwiseInverse();
+System Solver::buildSystem(const Iterate& at, const NormalEquations& sums) {
+  System system;
+  system.lever_m = std::sqrt(std::max(1e-6, sums.squared_levers / sums.weight_sum));
+  const Vector6 unscale = system.unscale().head<6>();
   degeneracy_ = findDegeneracy(
-      unscale.asDiagonal() * sums.normalHessian(0) * unscale.asDiagonal() / sums.weight_sum,
+      unscale.asDiagonal() * sums.normalHessian() * unscale.asDiagonal() / sums.weight_sum,
       params_.min_observed_share);
-  const double variance = std::max(params_.min_residual_m * params_.min_residual_m,
-                                   sums.squared_residuals / sums.weight_sum);
-
-  Matrix12 information = scaledInformation(sums, scale, variance);
-  Vector12 pull = Vector12::Zero();
-  pull.head<6>() = degeneracy_.projector * (unscale.asDiagonal() * sums.gradient(0)) / variance;
-  pull.tail<6>() = degeneracy_.projector * (unscale.asDiagonal() * sums.gradient(1)) / variance;
-
-  Matrix6 world = Matrix6::Zero();  // tangent in the base's axes → scaled world axes
-  world.topLeftCorner<3, 3>() = R;
-  world.bottomRightCorner<3, 3>() = lever_m * R;
-  if (degeneracy_.any()) {
-    const Matrix6 onto = Matrix6::Identity() - degeneracy_.projector;
-    const Matrix6 prior_information = (world * prior_.covariance * world.transpose()).inverse();
-    const Vector6 towards_prior = world * local(at.T_target_base, prior_.T_target_base);
-    const Matrix6 carried = onto * prior_information * onto;
-    information.topLeftCorner<6, 6>() += carried;
-    pull.head<6>() += carried * towards_prior;
-  }
-  const double linear2 = 1.0 / (prior_.sigma_linear_m_s * prior_.sigma_linear_m_s);
-  const double angular2 = 1.0 / std::pow(lever_m * prior_.sigma_angular_rad_s, 2);
-  Vector6 twist_information;
-  twist_information << linear2, linear2, linear2, angular2, angular2, angular2;
-  Vector6 twist_error;
-  twist_error << R * (prior_.twist.linear_m_s - at.twist.linear_m_s),
-      lever_m * (R * (prior_.twist.angular_rad_s - at.twist.angular_rad_s));
-  information.bottomRightCorner<6, 6>().diagonal() += twist_information;
-  pull.tail<6>() += twist_information.cwiseProduct(twist_error);
-
-  const Eigen::LDLT<Matrix12> ldlt(information);
-  Vector12 both;
-  both << unscale, unscale;
-  Step step;
-  step.d = both.cwiseProduct(ldlt.solve(pull));
-  step.covariance = both.asDiagonal() * ldlt.solve(Matrix12::Identity()) * both.asDiagonal();
-  return step;
+  addData(sums, system);
+  addPosePrior(at, system);
+  addMotionPrior(at, system);
+  return system;
 }
 
-bool Solver::converged(const Step& step) const {
-  return step.d.head<3>().norm() < params_.translation_tolerance_m &&
-         step.d.segment<3>(3).norm() < params_.rotation_tolerance_rad;
+bool Solver::converged(const Vector18& step) const {
+  return step.head<3>().norm() < params_.translation_tolerance_m &&
+         step.segment<3>(3).norm() < params_.rotation_tolerance_rad;
 }
 
-void Solver::apply(const Step& step, Iterate& at) const {
+void Solver::apply(const Vector18& step, Iterate& at) const {
   const Matrix3 R_base_world = at.T_target_base.R.transpose();
-  if (scan_.timed()) {
-    at.twist.linear_m_s += R_base_world * step.d.segment<3>(6);
-    at.twist.angular_rad_s += R_base_world * step.d.tail<3>();
-  }
-  Vector6 d;
-  d << R_base_world * step.d.head<3>(), R_base_world * step.d.segment<3>(3);
-  at.T_target_base = at.T_target_base.retract(d);
+  const auto body = [&](int offset) {
+    Vector6 d;
+    d << R_base_world * step.segment<3>(offset), R_base_world * step.segment<3>(offset + 3);
+    return d;
+  };
+  at.T_target_base = at.T_target_base.retract(body(0));
+  if (!scan_.timed()) return;
+  at.motion.twist = BodyTwist::fromVector(at.motion.twist.vector() + body(6));
+  at.motion.acceleration = BodyTwist::fromVector(at.motion.acceleration.vector() + body(12));
 }
 
-Registration Solver::result(const Iterate& at, const Step& step, const NormalEquations& sums,
+Registration Solver::result(const Iterate& at, const System& system, const NormalEquations& sums,
                             int iterations) const {
   const Matrix3 R = at.T_target_base.R.transpose();
-  Matrix12 axes = Matrix12::Zero();
-  for (int i = 0; i < 12; i += 3) axes.block<3, 3>(i, i) = R;
+  Matrix18 axes = Matrix18::Zero();
+  for (int i = 0; i < 18; i += 3) axes.block<3, 3>(i, i) = R;
   Registration found;
   found.T_target_base = at.T_target_base;
-  found.twist = at.twist;
-  found.covariance = axes * step.covariance * axes.transpose();
+  found.motion = at.motion;
+  const Matrix18 J = axes * system.unscale().asDiagonal();
+  found.covariance =
+      J * Eigen::LDLT<Matrix18>(system.information).solve(Matrix18::Identity()) * J.transpose();
   if (!scan_.timed()) {
-    found.covariance.bottomRows<6>().setZero();
-    found.covariance.rightCols<6>().setZero();
+    found.covariance.bottomRows<12>().setZero();
+    found.covariance.rightCols<12>().setZero();
   }
   OdometryDiagnostics& diagnostics = found.diagnostics;
   diagnostics.points = scan_.size();
@@ -243,7 +258,7 @@ Registration Solver::result(const Iterate& at, const Step& step, const NormalEqu
 }
 
 Expected<Registration, OdometryFailure> Solver::run() {
-  Iterate at{prior_.T_target_base, prior_.twist};
+  Iterate at{prior_.T_target_base, prior_.motion};
   for (int iteration = 0; iteration < params_.max_iterations; ++iteration) {
     const Strictness strictness = strictnessAt(iteration);
     const NormalEquations sums = linearize(at, strictness);
@@ -251,14 +266,14 @@ Expected<Registration, OdometryFailure> Solver::run() {
         !(sums.weight_sum > 0.0)) {
       return make_unexpected(OdometryFailure::kNoOverlap);
     }
-    const Step step = solve(at, sums);
-    if (!step.d.allFinite() || !step.covariance.allFinite()) {
-      return make_unexpected(OdometryFailure::kNotConverged);
-    }
+    const System system = buildSystem(at, sums);
+    const Vector18 step =
+        system.unscale().cwiseProduct(Eigen::LDLT<Matrix18>(system.information).solve(system.pull));
+    if (!step.allFinite()) break;
     apply(step, at);
     const bool last = iteration + 1 == params_.max_iterations;
     if ((strictest(strictness) && converged(step)) || last) {
-      return result(at, step, sums, iteration + 1);
+      return result(at, system, sums, iteration + 1);
     }
   }
   return make_unexpected(OdometryFailure::kNotConverged);

@@ -158,13 +158,12 @@ void keepFitted(SurfacePoints& surface) {
   if (surface.timed()) surface.time_s.resize(kept);
 }
 
-std::vector<Eigen::Vector3f> atReference(const SurfacePoints& means, const BodyTwist& twist) {
+std::vector<Eigen::Vector3f> atReference(const SurfacePoints& means, const SweepMotion& motion) {
   if (!means.timed()) return means.points;
-  const Eigen::Vector3f linear = twist.linear_m_s.cast<float>();
-  const Eigen::Vector3f angular = twist.angular_rad_s.cast<float>();
+  const PointCarrier carrier(motion);
   std::vector<Eigen::Vector3f> points(means.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i] = carriedToReference<float>(linear, angular, means.time_s[i], means.points[i]);
+    points[i] = carrier.toReference(means.time_s[i], means.points[i]);
   }
   return points;
 }
@@ -187,7 +186,7 @@ void fields(FieldVisitor& v, SurfaceParams& p) {
 }
 
 SurfacePoints extractSurface(const Scan& scan, const std::vector<float>& times_s,
-                             double reference_s, const BodyTwist& twist,
+                             double reference_s, const SweepMotion& motion,
                              std::span<const std::uint32_t> ignored, const SurfaceParams& params,
                              WorkerPool& pool) {
   const bool timed = !times_s.empty() && times_s.size() == scan.cloud.size();
@@ -196,7 +195,7 @@ SurfacePoints extractSurface(const Scan& scan, const std::vector<float>& times_s
       reduce(scan, timed ? times_s : kNoTimes, static_cast<float>(reference_s), ignored, params);
   SurfacePoints surface = meansOf(reduced.leaves, timed);
   surface.normals.assign(surface.size(), Eigen::Vector3f::Zero());
-  const std::vector<Eigen::Vector3f> still = atReference(surface, twist);
+  const std::vector<Eigen::Vector3f> still = atReference(surface, motion);
   const Eigen::Vector3f sensor = scan.T_base_lidar.t.cast<float>();
   pool.blocks(surface.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
     Neighborhood neighborhood(reduced, still);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "dynemo/core/point_cloud.h"
-#include "dynemo/odometry/body_twist.h"
+#include "dynemo/odometry/sweep_motion.h"
 
 namespace dynemo {
 
@@ -12,6 +12,6 @@ namespace dynemo {
 /// at constant twist. `times_s` has one entry per point, or is empty (nothing changes). The result
 /// has no point times.
 PointCloud deskew(const PointCloud& cloud, const std::vector<float>& times_s,
-                  const Pose3& T_base_lidar, const BodyTwist& twist, double reference_s);
+                  const Pose3& T_base_lidar, const SweepMotion& motion, double at_s);
 
 }  // namespace dynemo

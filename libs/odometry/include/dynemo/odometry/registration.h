@@ -5,10 +5,10 @@
 
 #include "dynemo/core/error.h"
 #include "dynemo/core/fields.h"
-#include "dynemo/odometry/body_twist.h"
 #include "dynemo/odometry/registration_target.h"
 #include "dynemo/odometry/scan_odometry.h"
 #include "dynemo/odometry/surface_points.h"
+#include "dynemo/odometry/sweep_motion.h"
 
 namespace dynemo {
 
@@ -37,20 +37,26 @@ struct RegistrationPrior {
   Pose3 T_target_base;
   /// Of the right tangent of T_target_base.
   Matrix6 covariance = Matrix6::Identity();
-  BodyTwist twist;
-  /// Standard deviations of the twist; it is only estimated for scans with point times.
+  /// The motion is only estimated for scans with point times; standard deviations of the twist and
+  /// of the acceleration.
+  SweepMotion motion;
   double sigma_linear_m_s = 1.0;
   double sigma_angular_rad_s = 1.0;
+  double sigma_acceleration_m_s2 = 5.0;
+  double sigma_angular_acceleration_rad_s2 = 10.0;
   /// Largest distance of correspondences at the start.
   double correspondence_m = 0.5;
   bool wide = false;
 };
 
+/// Of [right tangent of the pose; twist; acceleration].
+using MotionCovariance = Eigen::Matrix<double, 18, 18>;
+
 struct Registration {
   Pose3 T_target_base;
-  BodyTwist twist;
-  /// Of [right tangent of T_target_base; twist change], the latter zero for a scan of one instant.
-  Eigen::Matrix<double, 12, 12> covariance;
+  SweepMotion motion;
+  /// Zero for the motion of a scan of one instant.
+  MotionCovariance covariance;
   OdometryDiagnostics diagnostics;
 };
 

@@ -12,7 +12,7 @@
 #include "dynemo/core/registry.h"
 #include "dynemo/core/se3.h"
 #include "dynemo/ingest/sensor_frame.h"
-#include "dynemo/odometry/body_twist.h"
+#include "dynemo/odometry/sweep_motion.h"
 
 namespace dynemo {
 
@@ -43,8 +43,8 @@ struct OdometryEstimate {
   Pose3 T_prev_base;
   /// Of the right tangent of T_prev_base.
   Matrix6 covariance = Matrix6::Zero();
-  /// Velocity during the sweep, in the base frame: what deskew() needs.
-  BodyTwist twist{};
+  /// Motion around the middle of the sweep: what deskew() needs.
+  SweepMotion motion{};
   /// True when the map was begun anew here, so that T_prev_base rests on the prediction only.
   bool restarted = false;
   OdometryDiagnostics diagnostics{};

@@ -8,7 +8,7 @@
 
 #include "dynemo/core/fields.h"
 #include "dynemo/core/point_cloud.h"
-#include "dynemo/odometry/body_twist.h"
+#include "dynemo/odometry/sweep_motion.h"
 #include "dynemo/odometry/worker_pool.h"
 
 namespace dynemo {
@@ -41,7 +41,7 @@ struct SurfacePoints {
 /// is the reference time after the stamp. The twist only serves the normals: the points keep their
 /// own times.
 SurfacePoints extractSurface(const Scan& scan, const std::vector<float>& times_s,
-                             double reference_s, const BodyTwist& twist,
+                             double reference_s, const SweepMotion& motion,
                              std::span<const std::uint32_t> ignored, const SurfaceParams& params,
                              WorkerPool& pool);
 
