@@ -18,7 +18,9 @@ Stamp Stamp::fromSeconds(double seconds) {
 }
 
 Stamp Stamp::parse(const std::string& text) {
-  const auto fail = [&] { throw std::invalid_argument("'" + text + "' is not a time stamp in seconds"); };
+  const auto fail = [&] {
+    throw std::invalid_argument("'" + text + "' is not a time stamp in seconds");
+  };
   std::size_t i = 0;
   const bool negative = !text.empty() && text[0] == '-';
   if (negative || (!text.empty() && text[0] == '+')) ++i;
@@ -48,14 +50,13 @@ Stamp Stamp::parse(const std::string& text) {
 }
 
 std::string Stamp::text() const {
-  std::int64_t whole = ns / kNsPerSecond, fraction = ns % kNsPerSecond;
-  if (fraction < 0) {
-    fraction += kNsPerSecond;
-    --whole;
-  }
+  // Sign and magnitude, as parse() reads it.
+  const std::uint64_t magnitude =
+      ns < 0 ? 0 - static_cast<std::uint64_t>(ns) : static_cast<std::uint64_t>(ns);
   char buffer[48];
-  std::snprintf(buffer, sizeof(buffer), "%lld.%09lld", static_cast<long long>(whole),
-                static_cast<long long>(fraction));
+  std::snprintf(buffer, sizeof(buffer), "%s%llu.%09llu", ns < 0 ? "-" : "",
+                static_cast<unsigned long long>(magnitude / kNsPerSecond),
+                static_cast<unsigned long long>(magnitude % kNsPerSecond));
   return buffer;
 }
 

@@ -3,6 +3,8 @@
 
 #include <mrpt/serialization/CArchive.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -11,6 +13,19 @@
 #include "dynemo/core/se3.h"
 
 namespace dynemo {
+
+/// Reads a number that must be finite.
+inline void getFinite(mrpt::serialization::CArchive& in, double& value) {
+  in >> value;
+  if (!std::isfinite(value)) throw DataError("a stored number is not finite");
+}
+
+/// MRPT reads a bool's byte as it is; any other value than 0 and 1 would be undefined behaviour.
+inline bool getBool(mrpt::serialization::CArchive& in) {
+  const auto byte = in.ReadAs<std::uint8_t>();
+  if (byte > 1) throw DataError("a stored flag is neither true nor false");
+  return byte == 1;
+}
 
 inline void put(mrpt::serialization::CArchive& out, const Pose3& T) {
   for (int i = 0; i < 3; ++i) out << T.t[i];
@@ -32,14 +47,24 @@ inline std::uint32_t getLength(mrpt::serialization::CArchive& in, std::uint32_t 
   return n;
 }
 
+/// Text in MRPT's layout, its length checked before memory is asked for.
+inline void get(mrpt::serialization::CArchive& in, std::string& text) {
+  text.resize(getLength(in, 65'536));
+  if (!text.empty()) in.ReadBuffer(text.data(), text.size());
+}
+
 inline void put(mrpt::serialization::CArchive& out, const PointIndices& indices) {
   out.WriteAs<std::uint32_t>(indices.size());
   for (const auto i : indices) out << i;
 }
 
 inline void get(mrpt::serialization::CArchive& in, PointIndices& indices) {
-  indices.resize(getLength(in, 100'000'000));
-  for (auto& i : indices) in >> i;
+  const std::uint32_t n = getLength(in, 100'000'000);
+  indices.clear();
+  // Grows with what is really there: a corrupt length ends at the end of the data, not in the
+  // memory limit.
+  indices.reserve(std::min<std::uint32_t>(n, 65'536));
+  for (std::uint32_t i = 0; i < n; ++i) indices.push_back(in.ReadAs<std::uint32_t>());
 }
 
 }  // namespace dynemo

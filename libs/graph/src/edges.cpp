@@ -26,8 +26,12 @@ namespace dynemo {
 namespace {
 
 /// Where the translation and the height live in a pose node's state (CNodePose).
-Eigen::Map<const Vector3> translationOf(const double* state) { return Eigen::Map<const Vector3>(state); }
-Eigen::Map<const Matrix3> rotationOf(const double* state) { return Eigen::Map<const Matrix3>(state + 3); }
+Eigen::Map<const Vector3> translationOf(const double* state) {
+  return Eigen::Map<const Vector3>(state);
+}
+Eigen::Map<const Matrix3> rotationOf(const double* state) {
+  return Eigen::Map<const Matrix3>(state + 3);
+}
 
 double uniform(std::mt19937_64& rng, double lo, double hi) {
   return lo + (hi - lo) * (static_cast<double>(rng() >> 11) * 0x1.0p-53);
@@ -60,7 +64,8 @@ Pose3 randomPose(std::mt19937_64& rng) {
 void CEdgeBase::setInformation(const MatrixX& information) {
   const auto U = squareRootInformation(information);
   if (!U || information.rows() != residualSize()) {
-    throw DataError(std::string(kind()) + " edge: its information matrix is not symmetric positive definite");
+    throw DataError(std::string(kind()) +
+                    " edge: its information matrix is not symmetric positive definite");
   }
   information_ = information;
   sqrt_information_ = *U;
@@ -69,7 +74,8 @@ void CEdgeBase::setInformation(const MatrixX& information) {
 void CEdgeBase::setCovariance(const MatrixX& covariance) {
   const auto information = invertSpd(covariance);
   if (!information) {
-    throw DataError(std::string(kind()) + " edge: its covariance is not symmetric positive definite");
+    throw DataError(std::string(kind()) +
+                    " edge: its covariance is not symmetric positive definite");
   }
   setInformation(*information);
 }
@@ -88,8 +94,12 @@ void CEdgeBase::readBase(CArchive& in) {
   nodes.resize(getLength(in, kMaxEdgeNodes));
   for (NodeId& node : nodes) in >> node.value;
   std::uint8_t type = 0;
-  in >> type >> kernel.width;
+  in >> type;
+  if (type > static_cast<std::uint8_t>(KernelType::kGemanMcClure))
+    throw DataError("a stored kernel is unknown");
   kernel.type = static_cast<KernelType>(type);
+  getFinite(in, kernel.width);
+  if (kernel.width <= 0.0) throw DataError("a stored kernel has no width");
   MatrixX information(residualSize(), residualSize());
   for (int c = 0; c < residualSize(); ++c)
     for (int r = 0; r <= c; ++r) {
@@ -99,7 +109,8 @@ void CEdgeBase::readBase(CArchive& in) {
   setInformation(information);
 }
 
-void CEdgeRelativePose::evaluate(std::span<const double* const> states, Residual& e, Jacobians* J) const {
+void CEdgeRelativePose::evaluate(std::span<const double* const> states, Residual& e,
+                                 Jacobians* J) const {
   const auto R1 = rotationOf(states[0]), R2 = rotationOf(states[1]);
   const Vector3 t_12 = R1.transpose() * (translationOf(states[1]) - translationOf(states[0]));
   const Matrix3 R_12 = R1.transpose() * R2;
@@ -128,12 +139,12 @@ void CEdgeRelativePose::readRelativePose(CArchive& in) {
   get(in, T_1_2);
 }
 
-#define DYNEMO_SERIALIZE_PLAIN_RELATIVE_POSE(Class)                       \
-  std::uint8_t Class::serializeGetVersion() const { return 0; }           \
+#define DYNEMO_SERIALIZE_PLAIN_RELATIVE_POSE(Class)                        \
+  std::uint8_t Class::serializeGetVersion() const { return 0; }            \
   void Class::serializeTo(CArchive& out) const { writeRelativePose(out); } \
-  void Class::serializeFrom(CArchive& in, std::uint8_t version) {         \
-    if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);  \
-    readRelativePose(in);                                                 \
+  void Class::serializeFrom(CArchive& in, std::uint8_t version) {          \
+    if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);   \
+    readRelativePose(in);                                                  \
   }
 DYNEMO_SERIALIZE_PLAIN_RELATIVE_POSE(CEdgeOdometry)
 DYNEMO_SERIALIZE_PLAIN_RELATIVE_POSE(CEdgeKeyframeEntity)
@@ -147,10 +158,11 @@ void CEdgeIntraEntity::serializeTo(CArchive& out) const {
 void CEdgeIntraEntity::serializeFrom(CArchive& in, std::uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   readRelativePose(in);
-  in >> motion_model;
+  get(in, motion_model);
 }
 
-void CEdgePosePrior::evaluate(std::span<const double* const> states, Residual& e, Jacobians* J) const {
+void CEdgePosePrior::evaluate(std::span<const double* const> states, Residual& e,
+                              Jacobians* J) const {
   const auto R = rotationOf(states[0]);
   const Matrix3 RD_T = T_map_node.R.transpose();
   const Vector3 w = logSO3(RD_T * R);
@@ -181,7 +193,8 @@ void CEdgePosePrior::serializeFrom(CArchive& in, std::uint8_t version) {
   get(in, T_map_node);
 }
 
-void CEdgeFloorPrior::evaluate(std::span<const double* const> states, Residual& e, Jacobians* J) const {
+void CEdgeFloorPrior::evaluate(std::span<const double* const> states, Residual& e,
+                               Jacobians* J) const {
   e.resize(1);
   e[0] = *states[0] - level_m;
   if (J) (*J)[0].setOnes(1, 1);
@@ -202,10 +215,11 @@ void CEdgeFloorPrior::serializeTo(CArchive& out) const {
 void CEdgeFloorPrior::serializeFrom(CArchive& in, std::uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   readBase(in);
-  in >> level_m;
+  getFinite(in, level_m);
 }
 
-void CEdgeFloorEntity::evaluate(std::span<const double* const> states, Residual& e, Jacobians* J) const {
+void CEdgeFloorEntity::evaluate(std::span<const double* const> states, Residual& e,
+                                Jacobians* J) const {
   e.resize(1);
   e[0] = *states[0] - translationOf(states[1]).z() - offset_m;
   if (!J) return;
@@ -229,10 +243,11 @@ void CEdgeFloorEntity::serializeTo(CArchive& out) const {
 void CEdgeFloorEntity::serializeFrom(CArchive& in, std::uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   readBase(in);
-  in >> offset_m;
+  getFinite(in, offset_m);
 }
 
-void CEdgeAgentLine::evaluate(std::span<const double* const> states, Residual& e, Jacobians* J) const {
+void CEdgeAgentLine::evaluate(std::span<const double* const> states, Residual& e,
+                              Jacobians* J) const {
   const auto R1 = rotationOf(states[0]), R2 = rotationOf(states[1]);
   const Eigen::Matrix<double, 2, 3> BT = orthogonalBasis(direction_entity).transpose();
   const Vector3 v = R1.transpose() * (translationOf(states[1]) - translationOf(states[0]));
@@ -259,11 +274,14 @@ void CEdgeAgentLine::serializeTo(CArchive& out) const {
 void CEdgeAgentLine::serializeFrom(CArchive& in, std::uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   readBase(in);
-  for (int i = 0; i < 3; ++i) in >> direction_entity[i];
+  for (int i = 0; i < 3; ++i) getFinite(in, direction_entity[i]);
+  if (direction_entity.isZero()) throw DataError("a stored direction of motion is zero");
 }
 
-void CEdgeAgentVelocity::evaluate(std::span<const double* const> states, Residual& e, Jacobians* J) const {
-  const auto t1 = translationOf(states[0]), t2 = translationOf(states[1]), t3 = translationOf(states[2]);
+void CEdgeAgentVelocity::evaluate(std::span<const double* const> states, Residual& e,
+                                  Jacobians* J) const {
+  const auto t1 = translationOf(states[0]), t2 = translationOf(states[1]),
+             t3 = translationOf(states[2]);
   e = (t3 - t2) / dt_23_s - (t2 - t1) / dt_12_s;
   if (!J) return;
   const double factors[3] = {1.0 / dt_12_s, -1.0 / dt_23_s - 1.0 / dt_12_s, 1.0 / dt_23_s};
@@ -289,7 +307,9 @@ void CEdgeAgentVelocity::serializeTo(CArchive& out) const {
 void CEdgeAgentVelocity::serializeFrom(CArchive& in, std::uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   readBase(in);
-  in >> dt_12_s >> dt_23_s;
+  getFinite(in, dt_12_s);
+  getFinite(in, dt_23_s);
+  if (dt_12_s <= 0.0 || dt_23_s <= 0.0) throw DataError("a stored time difference is not positive");
 }
 
 }  // namespace dynemo

@@ -53,12 +53,15 @@ std::string keyframeReasonText(std::uint32_t reasons) {
       {KeyframeReason::kTimerExpired, "timer_expired"}};
   std::string text;
   for (const auto& [reason, name] : kNames) {
-    if (reasons & static_cast<std::uint32_t>(reason)) text += (text.empty() ? "" : "+") + std::string(name);
+    if (reasons & static_cast<std::uint32_t>(reason))
+      text += (text.empty() ? "" : "+") + std::string(name);
   }
   return text;
 }
 
-const char* semanticClassName(SemanticClass c) { return c == SemanticClass::kAgent ? "agent" : "object"; }
+const char* semanticClassName(SemanticClass c) {
+  return c == SemanticClass::kAgent ? "agent" : "object";
+}
 
 std::uint8_t CNodeKeyframe::serializeGetVersion() const { return 0; }
 
@@ -71,9 +74,10 @@ void CNodeKeyframe::serializeTo(CArchive& out) const {
 void CNodeKeyframe::serializeFrom(CArchive& in, std::uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   readPose(in);
-  bool has_floor = false;
   NodeId floor_id;
-  in >> stamp.ns >> frame_index >> reasons >> has_floor >> floor_id.value;
+  in >> stamp.ns >> frame_index >> reasons;
+  const bool has_floor = getBool(in);
+  in >> floor_id.value;
   floor = has_floor ? std::optional(floor_id) : std::nullopt;
   get(in, T_odom_base);
 }
@@ -82,7 +86,8 @@ std::uint8_t CNodeEntity::serializeGetVersion() const { return 0; }
 
 void CNodeEntity::serializeTo(CArchive& out) const {
   writePose(out);
-  out << entity.value << name << static_cast<std::uint8_t>(semantic_class) << keyframe.value << stamp.ns << moved;
+  out << entity.value << name << static_cast<std::uint8_t>(semantic_class) << keyframe.value
+      << stamp.ns << moved;
   put(out, fragment);
 }
 
@@ -90,7 +95,10 @@ void CNodeEntity::serializeFrom(CArchive& in, std::uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   readPose(in);
   std::uint8_t c = 0;
-  in >> entity.value >> name >> c >> keyframe.value >> stamp.ns >> moved;
+  in >> entity.value;
+  get(in, name);
+  in >> c >> keyframe.value >> stamp.ns;
+  moved = getBool(in);
   if (c > 1) throw DataError("a stored entity has an unknown semantic class");
   semantic_class = static_cast<SemanticClass>(c);
   get(in, fragment);
@@ -106,7 +114,8 @@ void CNodeFloor::serializeTo(CArchive& out) const {
 void CNodeFloor::serializeFrom(CArchive& in, std::uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   readBase(in);
-  in >> level_m >> level_first_m >> center_map_m.x() >> center_map_m.y();
+  for (double* value : {&level_m, &level_first_m, &center_map_m.x(), &center_map_m.y()})
+    getFinite(in, *value);
 }
 
 }  // namespace dynemo

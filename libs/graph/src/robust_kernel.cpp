@@ -31,9 +31,10 @@ RobustKernel::Value RobustKernel::operator()(double s) const {
     case KernelType::kCauchy:
       return {w2 * std::log1p(s / w2), 1.0 / (1.0 + s / w2)};
     case KernelType::kTukey: {
-      const double u = 1.0 - s / w2;
-      if (u <= 0.0) return {w2 / 3.0, 0.0};
-      return {w2 / 3.0 * (1.0 - u * u * u), u * u};
+      const double x = s / w2;
+      if (x >= 1.0) return {w2 / 3.0, 0.0};
+      // w²/3 (1 − (1 − x)³), without cancellation for small x.
+      return {s * (1.0 - x + x * x / 3.0), (1.0 - x) * (1.0 - x)};
     }
     case KernelType::kGemanMcClure: {
       const double u = w2 / (w2 + s);

@@ -6,12 +6,37 @@
 #include <stdexcept>
 
 #include "archive.h"
+#include "dynemo/graph/types.h"
 
 using mrpt::serialization::CArchive;
 
 IMPLEMENTS_SERIALIZABLE(CSceneGraph, CSerializable, dynemo)
 
 namespace dynemo {
+namespace {
+
+int stateSizeOfKind(const std::string& kind) {
+  static const std::map<std::string, int> sizes = [] {
+    std::map<std::string, int> by_kind;
+    std::mt19937_64 rng;
+    for (const NodeType& type : nodeTypes()) by_kind[type.kind] = type.example(rng)->stateSize();
+    return by_kind;
+  }();
+  return sizes.at(kind);
+}
+
+/// An edge reads its nodes' states without a check of its own: their number and sizes must be those
+/// of its kind.
+bool fitsNodes(const CEdgeBase& edge, const std::vector<CNodeBase::Ptr>& nodes) {
+  const std::vector<std::string>& kinds = edgeType(edge.kind()).node_kinds;
+  if (kinds.size() != edge.nodes.size()) return false;
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (nodes[edge.nodes[i].value]->stateSize() != stateSizeOfKind(kinds[i])) return false;
+  }
+  return true;
+}
+
+}  // namespace
 
 void CSceneGraph::apply(const GraphDelta& delta) {
   for (const EdgeId id : delta.removed_edges) removeEdge(id);
@@ -39,21 +64,27 @@ void CSceneGraph::insertEdge(const CEdgeBase::Ptr& edge) {
   if (edge->nodes.empty()) throw std::logic_error("an edge without nodes");
   for (const NodeId node : edge->nodes) {
     if (node.value >= nodes_.size() || !nodes_[node.value]) {
-      throw std::logic_error(std::string(edge->kind()) + " edge names a node that is not in the graph");
+      throw std::logic_error(std::string(edge->kind()) +
+                             " edge names a node that is not in the graph");
     }
+  }
+  if (!fitsNodes(*edge, nodes_)) {
+    throw std::logic_error(std::string(edge->kind()) +
+                           " edge connects nodes of the wrong number or kind");
   }
   edges_.push_back(edge);
   ++edge_count_;
   for (const NodeId node : edge->nodes) edges_of_node_[node.value].push_back(edge->id);
-  topology_.insertEdge(edge->nodes.front().value, edge->nodes.back().value, Topology::edge_t(EdgeHolder{edge}));
+  topology_.insertEdge(edge->nodes.front().value, edge->nodes.back().value,
+                       Topology::edge_t(EdgeHolder{edge}));
 }
 
 void CSceneGraph::removeEdge(EdgeId id) {
   const auto edge = id.value < edges_.size() ? edges_[id.value] : nullptr;
   if (!edge) throw std::logic_error("an edge to remove is not in the graph");
   for (const NodeId node : edge->nodes) std::erase(edges_of_node_[node.value], id);
-  const auto [first, last] =
-      topology_.edges.equal_range(mrpt::graphs::TPairNodeIDs(edge->nodes.front().value, edge->nodes.back().value));
+  const auto [first, last] = topology_.edges.equal_range(
+      mrpt::graphs::TPairNodeIDs(edge->nodes.front().value, edge->nodes.back().value));
   for (auto it = first; it != last; ++it) {
     if (it->second.edge != edge) continue;
     topology_.edges.erase(it);
@@ -68,7 +99,9 @@ const CNodeEntity* CSceneGraph::lastObservation(EntityId entity) const {
   return it == tracks_.end() || it->second.empty() ? nullptr : it->second.back().get();
 }
 
-const std::vector<EdgeId>& CSceneGraph::edgesOf(NodeId node) const { return edges_of_node_.at(node.value); }
+const std::vector<EdgeId>& CSceneGraph::edgesOf(NodeId node) const {
+  return edges_of_node_.at(node.value);
+}
 
 double CSceneGraph::edgeCost(const CEdgeBase& edge) const {
   std::array<std::array<double, 16>, kMaxEdgeNodes> states;
@@ -108,11 +141,20 @@ void CSceneGraph::serializeTo(CArchive& out) const {
 void CSceneGraph::serializeFrom(CArchive& in, std::uint8_t version) {
   if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   *this = CSceneGraph();
+  try {
+    readFrom(in);
+  } catch (const std::logic_error& e) {
+    // What is a mistake of the caller in apply() is damaged data here.
+    throw DataError(std::string("a stored graph is not consistent: ") + e.what());
+  }
+}
+
+void CSceneGraph::readFrom(CArchive& in) {
   get(in, T_map_odom);
   const auto read = [&in](auto insert, auto skip) {
     const std::uint32_t n = getLength(in, 1'000'000'000);
     for (std::uint32_t i = 0; i < n; ++i) {
-      if (in.ReadAs<bool>()) {
+      if (getBool(in)) {
         insert(in.ReadObject());
       } else {
         skip();

@@ -89,6 +89,7 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
   void insertNode(const CNodeBase::Ptr& node);
   void insertEdge(const CEdgeBase::Ptr& edge);
   void removeEdge(EdgeId id);
+  void readFrom(mrpt::serialization::CArchive& in);
 
   std::vector<CNodeBase::Ptr> nodes_;
   std::vector<CEdgeBase::Ptr> edges_;

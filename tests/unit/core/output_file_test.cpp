@@ -1,0 +1,81 @@
+#include "dynemo/core/output_file.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "dynemo/core/error.h"
+
+namespace dynemo::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class OutputFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("dynemo_output_file_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  static std::string contentOf(const fs::path& file) {
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+  }
+  fs::path folder_;
+};
+
+TEST_F(OutputFile, AppendedLinesAreThereAtOnce) {
+  AppendFile file(folder_ / "log.csv");
+  file.line("a,b");
+  EXPECT_EQ(contentOf(folder_ / "log.csv"), "a,b\n");
+  file.line("1,2");
+  EXPECT_EQ(contentOf(folder_ / "log.csv"), "a,b\n1,2\n");
+}
+
+TEST_F(OutputFile, AppendFileStartsAnew) {
+  AppendFile(folder_ / "log.csv").line("old");
+  AppendFile(folder_ / "log.csv").line("new");
+  EXPECT_EQ(contentOf(folder_ / "log.csv"), "new\n");
+}
+
+TEST_F(OutputFile, FullDiskIsAnError) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  AppendFile file("/dev/full");
+  EXPECT_THROW(file.line("text"), DataError);
+  EXPECT_THROW(file.line("text"), DataError) << "and stays one";
+}
+
+TEST_F(OutputFile, MissingFolderIsAnError) {
+  EXPECT_THROW(AppendFile(folder_ / "missing" / "log.csv"), DataError);
+  EXPECT_THROW(writeFileAtomically(folder_ / "missing" / "x.txt", "x"), DataError);
+}
+
+TEST_F(OutputFile, AtomicWriteReplacesAndLeavesNothingBehind) {
+  writeFileAtomically(folder_ / "x.txt", "first");
+  writeFileAtomically(folder_ / "x.txt", std::string("second\0half", 11));
+  EXPECT_EQ(contentOf(folder_ / "x.txt"), std::string("second\0half", 11));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST_F(OutputFile, FailedAtomicWriteKeepsWhatWasThere) {
+  fs::create_directories(folder_ / "x.txt" / "occupied");
+  EXPECT_THROW(writeFileAtomically(folder_ / "x.txt", "text"), DataError);
+  EXPECT_TRUE(fs::exists(folder_ / "x.txt" / "occupied"));
+  EXPECT_FALSE(fs::exists(folder_ / "x.txt.part"));
+}
+
+TEST_F(OutputFile, ExactNumbersReadBack) {
+  for (const double v : {0.1, 1.0 / 3.0, 1e-300, -2.5e17, 5e-324, 1700000030.1234567, 0.0}) {
+    EXPECT_EQ(std::strtod(exactNumber(v).c_str(), nullptr), v);
+  }
+  EXPECT_EQ(exactNumber(0.1), "0.1");
+}
+
+}  // namespace
+}  // namespace dynemo::test
