@@ -19,5 +19,7 @@ std::unique_ptr<Exporter> makeEntitiesExporter();
 std::unique_ptr<Exporter> makeG2oExporter();
 /// graph.graph: the keyframes' pose graph for MRPT's graph-slam.
 std::unique_ptr<Exporter> makeMrptGraphExporter();
+/// scene.3Dscene: everything in one picture, for SceneViewer3D.
+std::unique_ptr<Exporter> makeScene3dExporter();
 
 }  // namespace dynemo

@@ -11,6 +11,7 @@ const ExporterRegistry& exporters() {
     r.add("entities", makeEntitiesExporter);
     r.add("g2o", makeG2oExporter);
     r.add("graph", makeMrptGraphExporter);
+    r.add("3dscene", makeScene3dExporter);
     return r;
   }();
   return registry;

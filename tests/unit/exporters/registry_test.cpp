@@ -61,7 +61,8 @@ INSTANTIATE_TEST_SUITE_P(Registry, EveryExporter, ::testing::ValuesIn(exporters(
                          [](const auto& param_info) { return "output_" + param_info.param; });
 
 TEST(ExporterRegistry, HasTheDocumentedFormats) {
-  for (const char* name : {"trajectory", "keyframes", "odometry", "entities", "g2o", "graph"}) {
+  for (const char* name :
+       {"trajectory", "keyframes", "odometry", "entities", "g2o", "graph", "3dscene"}) {
     EXPECT_TRUE(exporters().contains(name)) << name;
   }
 }

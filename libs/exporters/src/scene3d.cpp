@@ -1,0 +1,101 @@
+// MRPT's 3-D scene file, as SceneViewer3D opens it.
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/io/zip.h>
+#include <mrpt/opengl/COpenGLScene.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <algorithm>
+
+#include "dynemo/core/error.h"
+#include "dynemo/core/output_file.h"
+#include "factories.h"
+#include "scene_style.h"
+
+namespace dynemo {
+namespace {
+
+struct View {
+  Vector3 center = Vector3::Zero();
+  double radius_m = 1.0;
+};
+
+/// Some points of all keyframes, and the keyframes themselves.
+std::vector<Vector3> samplePoints(const CSceneGraph& graph) {
+  constexpr std::size_t kStride = 53;
+  std::vector<Vector3> points;
+  for (const auto& keyframe : graph.keyframes()) {
+    points.push_back(keyframe->T_map_base().t);
+    if (!keyframe->scan) continue;
+    const Pose3 T_map_lidar = keyframe->T_map_base() * keyframe->scan->T_base_lidar;
+    const auto& cloud = keyframe->scan->cloud.points;
+    for (std::size_t i = 0; i < cloud.size(); i += kStride) {
+      points.push_back(T_map_lidar * cloud[i].cast<double>());
+    }
+  }
+  std::erase_if(points, [](const Vector3& p) { return !p.allFinite(); });
+  return points;
+}
+
+/// The ball around most of the points: far returns through a window do not make the picture small.
+View viewOf(std::vector<Vector3> points) {
+  if (points.empty()) return {};
+  const std::size_t tail = points.size() / 50;
+  Vector3 min, max;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::sort(points.begin(), points.end(),
+              [axis](const Vector3& a, const Vector3& b) { return a[axis] < b[axis]; });
+    min[axis] = points[tail][axis];
+    max[axis] = points[points.size() - 1 - tail][axis];
+  }
+  return {0.5 * (min + max), std::max(1.0, 0.5 * (max - min).norm())};
+}
+
+void setCamera(mrpt::opengl::COpenGLViewport& viewport, const View& view) {
+  auto& camera = viewport.getCamera();
+  camera.setPointingAt(toPoint(view.center));
+  camera.setZoomDistance(static_cast<float>(2.7 * view.radius_m));
+  camera.setAzimuthDegrees(-90.0f);
+  camera.setElevationDegrees(55.0f);
+}
+
+mrpt::opengl::COpenGLScene makeScene(const RunResult& run, const SceneParams& params) {
+  mrpt::opengl::COpenGLScene scene;
+  scene.getViewport()->setCustomBackgroundColor({1.0f, 1.0f, 1.0f});
+  // Colours stay what they mean on the sides away from the light, too.
+  scene.getViewport()->lightParameters().ambient = {0.5f, 0.5f, 0.5f};
+  scene.getViewport()->lightParameters().diffuse = {0.5f, 0.5f, 0.5f};
+  setCamera(*scene.getViewport(), viewOf(samplePoints(run.graph)));
+  // What is translucent comes last.
+  for (const auto part : {sceneFloors, sceneClouds, sceneTrajectory, sceneEdges, sceneEntities}) {
+    scene.insert(part(run, params));
+  }
+  return scene;
+}
+
+std::string compressed(const mrpt::opengl::COpenGLScene& scene) {
+  constexpr int kLevel = 6;
+  mrpt::io::CMemoryStream memory;
+  auto archive = mrpt::serialization::archiveFrom(memory);
+  archive << scene;
+  const auto* begin = static_cast<const std::uint8_t*>(memory.getRawBufferData());
+  std::vector<std::uint8_t> packed;
+  const std::vector<std::uint8_t> raw(begin, begin + memory.getTotalBytesCount());
+  if (!mrpt::io::zip::compress_gz_data_block(raw, packed, kLevel)) {
+    throw DataError("scene.3Dscene: cannot be compressed");
+  }
+  return {packed.begin(), packed.end()};
+}
+
+class Scene3dExporter : public Exporter {
+ public:
+  std::string fileName() const override { return "scene.3Dscene"; }
+  void write(const RunResult& run, const std::filesystem::path& file) const override {
+    writeFileAtomically(file, compressed(makeScene(run, SceneParams())));
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Exporter> makeScene3dExporter() { return std::make_unique<Scene3dExporter>(); }
+
+}  // namespace dynemo

@@ -1,0 +1,63 @@
+// Colours and sizes of the 3-D scene, and the parts it is built from.
+#pragma once
+
+#include <mrpt/img/TColor.h>
+#include <mrpt/math/TPoint3D.h>
+#include <mrpt/opengl/CSetOfObjects.h>
+#include <mrpt/opengl/CSetOfTriangles.h>
+
+#include <cstdint>
+
+#include "dynemo/exporters/run_result.h"
+
+namespace dynemo {
+
+/// What the exporter draws, in metres unless the name says otherwise.
+struct SceneParams {
+  /// Clouds are thinned to one point per voxel of this size; to larger voxels while they exceed
+  /// max_points.
+  double voxel_m = 0.04;
+  std::size_t max_points = 300'000;
+  /// Points higher than this over their keyframe's base are cut away, so that one can look into
+  /// rooms from above.
+  double cutaway_height_m = 1.6;
+  float cloud_point_px = 1.5f;
+  float fragment_point_px = 3.0f;
+  double trajectory_radius_m = 0.03;
+  double track_radius_m = 0.025;
+  /// Tubes bend at most this often: shorter steps are joined.
+  double shortest_step_m = 0.1;
+  float edge_line_px = 1.0f;
+  float text_height_m = 0.22f;
+  double floor_margin_m = 1.0;
+};
+
+inline mrpt::math::TPoint3D toPoint(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
+
+/// 0xRRGGBB.
+mrpt::img::TColor colorFromRgb(std::uint32_t rgb, std::uint8_t alpha = 255);
+
+/// Well separated colours, the same for one entity in every run.
+mrpt::img::TColor entityColor(EntityId id, std::uint8_t alpha = 255);
+
+/// A solid line of the given radius through the points; OpenGL draws plain lines one pixel wide on
+/// many systems.
+mrpt::opengl::CSetOfTriangles::Ptr tube(const std::vector<Vector3>& points, double radius_m,
+                                        double shortest_step_m, const mrpt::img::TColor& color);
+
+/// Text that lies upright over a point, readable from the front and from above.
+mrpt::opengl::CSetOfObjects::Ptr label(const std::string& text, const Vector3& p_map,
+                                       const mrpt::img::TColor& color, float height_m);
+
+/// The keyframes' clouds and, in colour, the fragments of the entities.
+mrpt::opengl::CSetOfObjects::Ptr sceneClouds(const RunResult& run, const SceneParams& params);
+/// Optimised trajectory, odometry for comparison, keyframe axes.
+mrpt::opengl::CSetOfObjects::Ptr sceneTrajectory(const RunResult& run, const SceneParams& params);
+/// Entities as labelled boxes at their latest pose, tracks of agents, displaced objects before and
+/// after.
+mrpt::opengl::CSetOfObjects::Ptr sceneEntities(const RunResult& run, const SceneParams& params);
+/// The edges of the graph in the colours of their kinds, and a grid per floor.
+mrpt::opengl::CSetOfObjects::Ptr sceneEdges(const RunResult& run, const SceneParams& params);
+mrpt::opengl::CSetOfObjects::Ptr sceneFloors(const RunResult& run, const SceneParams& params);
+
+}  // namespace dynemo
