@@ -6,6 +6,7 @@
 #include <mrpt/poses/CPosePDFGaussianInf.h>
 
 #include "dynemo/core/mrpt_conversions.h"
+#include "dynemo/ingest/decoders.h"
 
 namespace dynemo {
 namespace {
@@ -75,8 +76,8 @@ std::optional<Increment> bestIncrement(const mrpt::obs::CActionCollection& actio
 bool ActionOdometry::apply(const mrpt::obs::CActionCollection& actions, WarningCounter& warnings) {
   const auto step = bestIncrement(actions);
   if (!step) return false;
-  if (!step->T_prev_next.isFinite()) {
-    warnings.count("odometry action that is not finite dropped");
+  if (!isPlausible(step->T_prev_next)) {
+    warnings.count("odometry action that is not plausible dropped");
     return false;
   }
   state_.T_odom_base = (state_.T_odom_base * step->T_prev_next).normalized();

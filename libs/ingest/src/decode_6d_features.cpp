@@ -36,8 +36,8 @@ Expected<std::vector<ExternalDetection>, DecodeFailure> decode6DFeatures(
   std::vector<ExternalDetection> detections;
   for (const Measurement& m : o.sensedFeatures) {
     const Pose3 T_sensor_entity = fromMrpt(m.pose);
-    if (m.id < 0 || !T_sensor_entity.isFinite()) {
-      context.warnings.count("detection: without id or with a pose that is not finite, dropped");
+    if (m.id < 0 || !isPlausible(T_sensor_entity)) {
+      context.warnings.count("detection: without id or without plausible pose, dropped");
       continue;
     }
     ExternalDetection d;

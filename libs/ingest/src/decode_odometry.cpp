@@ -13,7 +13,7 @@ Expected<OdometryState, DecodeFailure> decodeRobotPose(mrpt::obs::CObservation& 
   const auto& o = dynamic_cast<const mrpt::obs::CObservationRobotPose&>(observation);
   OdometryState state;
   state.T_odom_base = fromMrpt(o.pose.mean);
-  if (!state.T_odom_base.isFinite()) return make_unexpected("the pose is not finite");
+  if (!isPlausible(state.T_odom_base)) return make_unexpected("the pose is not plausible");
   state.T_odom_base = state.T_odom_base.normalized();
   const Matrix6 cov = covarianceFromMrpt(state.T_odom_base, o.pose.cov);
   // A zero matrix is MRPT's way to say that there is none.
@@ -26,7 +26,7 @@ Expected<OdometryState, DecodeFailure> decodeOdometry2D(mrpt::obs::CObservation&
   const auto& o = dynamic_cast<const mrpt::obs::CObservationOdometry&>(observation);
   OdometryState state;
   state.T_odom_base = fromMrpt(mrpt::poses::CPose3D(o.odometry));
-  if (!state.T_odom_base.isFinite()) return make_unexpected("the pose is not finite");
+  if (!isPlausible(state.T_odom_base)) return make_unexpected("the pose is not plausible");
   return state;
 }
 

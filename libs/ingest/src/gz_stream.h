@@ -4,19 +4,24 @@
 #include <zlib.h>
 
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace dynemo {
 
 /// Sequential reading of a plain or gzip-compressed file of serialised objects. Unlike
-/// CFileGZInputStream it tells the end between two objects from one inside an object, and a
-/// complete compressed file from a truncated one.
+/// CFileGZInputStream it tells the end between two objects from one inside an object and a complete
+/// compressed file from a damaged one, and it delivers every byte before the damage.
 class GzStream : public mrpt::io::CStream {
  public:
   /// Throws DataError when the file is missing, empty, not a regular file or not readable.
   explicit GzStream(const std::filesystem::path& file);
+  ~GzStream() override;
+  GzStream(const GzStream&) = delete;
+  GzStream& operator=(const GzStream&) = delete;
 
   /// Marks the beginning of an object.
   void beginObject();
@@ -24,8 +29,8 @@ class GzStream : public mrpt::io::CStream {
   std::uint64_t objectBytes() const { return object_bytes_; }
   /// The first bytes read of the present object.
   const std::string& objectHead() const { return head_; }
-  /// What zlib says is wrong with the file; empty when nothing is.
-  std::string compressionError() const;
+  /// What is wrong with the compression of the file; empty when nothing is (so far).
+  const std::string& compressionError() const { return error_; }
 
   /// Zero at the end between two objects; throws std::runtime_error on a short read inside one.
   size_t Read(void* buffer, size_t count) override;
@@ -36,10 +41,20 @@ class GzStream : public mrpt::io::CStream {
   uint64_t getPosition() const override;
 
  private:
-  std::unique_ptr<gzFile_s, int (*)(gzFile)> file_;
+  bool refill();
+  std::size_t readPlain(unsigned char* out, std::size_t count);
+  std::size_t readCompressed(unsigned char* out, std::size_t count);
+  void startNextMember();
+
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
   std::uint64_t size_ = 0;
+  std::vector<unsigned char> input_;
+  z_stream zlib_{};  ///< next_in and avail_in are the unread part of input_, compressed or not
+  bool compressed_ = false;
+  bool member_ended_ = false;
+  std::uint64_t taken_from_file_ = 0;
   std::uint64_t object_bytes_ = 0;
-  std::string head_;
+  std::string head_, error_;
 };
 
 }  // namespace dynemo

@@ -92,15 +92,15 @@ struct RawlogReader::Impl {
 
 void RawlogReader::Impl::explainFailure() {
   const std::string name = classNameInHeader(stream.objectHead());
-  if (stream.objectBytes() == 0) {
-    const std::string error = stream.compressionError();
+  const std::string& error = stream.compressionError();
+  if (!error.empty())
+    stopDamaged(error);
+  else if (stream.objectBytes() == 0)
     ended = true;
-    if (!error.empty()) stopDamaged("the compressed data ends or is corrupt (" + error + ")");
-  } else if (!name.empty() && mrpt::rtti::findRegisteredClass(name) == nullptr) {
+  else if (!name.empty() && mrpt::rtti::findRegisteredClass(name) == nullptr)
     stopDamaged("object of unknown class '" + name + "', which cannot be skipped");
-  } else {
+  else
     stopDamaged("truncated or corrupt object" + (name.empty() ? "" : " of class " + name));
-  }
 }
 
 RawlogReader::RawlogReader(const std::filesystem::path& file, std::size_t max_object_bytes) {

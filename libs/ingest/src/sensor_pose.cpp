@@ -2,6 +2,16 @@
 #include "dynemo/ingest/decoders.h"
 
 namespace dynemo {
+namespace {
+constexpr double kFarthest_m = 1e8;
+constexpr double kRotationTolerance = 1e-2;
+}
+
+bool isPlausible(const Pose3& pose) {
+  if (!pose.isFinite() || pose.t.cwiseAbs().maxCoeff() > kFarthest_m) return false;
+  const Matrix3 defect = pose.R.transpose() * pose.R - Matrix3::Identity();
+  return defect.norm() < kRotationTolerance;
+}
 
 Expected<Pose3, DecodeFailure> sensorPose(const mrpt::obs::CObservation& observation,
                                           const DecodeContext& context) {
@@ -10,7 +20,7 @@ Expected<Pose3, DecodeFailure> sensorPose(const mrpt::obs::CObservation& observa
   mrpt::poses::CPose3D pose;
   observation.getSensorPose(pose);
   const Pose3 T_base_sensor = fromMrpt(pose);
-  if (!T_base_sensor.isFinite()) return make_unexpected("the sensor pose is not finite");
+  if (!isPlausible(T_base_sensor)) return make_unexpected("the sensor pose is not plausible");
   return T_base_sensor.normalized();
 }
 

@@ -77,6 +77,9 @@ struct Decoders {
 /// Every known class.
 const Decoders& decoders();
 
+/// A rotation, and a translation within the size of a planet: what corrupt numbers rarely are.
+bool isPlausible(const Pose3& pose);
+
 /// Pose of the sensor in the base frame: the override for its label, else the observation's own.
 /// Fails when it is not finite.
 Expected<Pose3, DecodeFailure> sensorPose(const mrpt::obs::CObservation& observation,
