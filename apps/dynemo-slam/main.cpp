@@ -98,13 +98,15 @@ void processAll(FrameSource& source, SlamPipeline& pipeline, RunFolder& folder, 
       frame = source.next();
     }
     if (!frame) return;
-    pipeline.process(*frame, timing);
-    folder.frame(frame->index, frame->stamp, timing);
+    const std::uint64_t index = frame->index;
+    const Stamp stamp = frame->stamp;
+    pipeline.process(std::move(*frame), timing);
+    folder.frame(index, stamp, timing);
     folder.optimizations(pipeline.optimizations());
     progress.update(source.progress());
-    if (!checkpoint) checkpoint = frame->stamp;
-    if (secondsBetween(*checkpoint, frame->stamp) >= checkpoint_s) {
-      checkpoint = frame->stamp;
+    if (!checkpoint) checkpoint = stamp;
+    if (secondsBetween(*checkpoint, stamp) >= checkpoint_s) {
+      checkpoint = stamp;
       folder.checkpoint(pipeline, source.report(), identity);
     }
   }
@@ -119,7 +121,7 @@ int run(const Options& o) {
   requireInputs(o);
   const EntityModels models = o.entities ? EntityModels::load(*o.entities) : EntityModels();
   const auto source = makeRawlogSource(params.sensors, o.rawlog, o.detections);
-  SlamPipeline pipeline(params, models);
+  SlamPipeline pipeline(params, models, source->hasOdometry());
   RunFolder folder(o.output, params);
   Progress progress(!o.quiet);
 

@@ -25,7 +25,7 @@ void fields(FieldVisitor& v, CameraParams& p) {
   v.texts("labels", p.labels, "Sensor labels of the images; empty: all");
 }
 
-void fields(FieldVisitor& v, OdometryParams& p) {
+void fields(FieldVisitor& v, OdometrySensorParams& p) {
   v.text(
       "label", p.label,
       "Sensor label of the odometry; empty: 3-D poses, else 2-D odometry, else odometry actions");

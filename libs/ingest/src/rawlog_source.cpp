@@ -22,6 +22,7 @@ class RawlogFrameSource : public FrameSource {
                     const std::optional<fs::path>& detections_csv);
 
   std::optional<SensorFrame> next() override;
+  bool hasOdometry() const override { return selection_->hasOdometry(); }
   const IngestReport& report() const override;
   IngestProgress progress() const override;
 

@@ -33,8 +33,8 @@ double distance(Stamp a, Stamp b) { return std::abs(secondsBetween(a, b)); }
 
 }  // namespace
 
-Synchronizer::Synchronizer(const SyncParams& sync, const OdometryParams& odometry, SensorRole key,
-                           WarningCounter& warnings)
+Synchronizer::Synchronizer(const SyncParams& sync, const OdometrySensorParams& odometry,
+                           SensorRole key, WarningCounter& warnings)
     : params_(sync),
       key_(key),
       warnings_(warnings),

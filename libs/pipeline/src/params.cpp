@@ -6,6 +6,7 @@ void fields(FieldVisitor& v, RobotOdometryParams& p) {
   v.choice("source", p.source, {"auto", "rawlog", "lidar"},
            "The rawlog's when it carries any, always the rawlog's, or estimated from the scans");
   v.section("noise", p.noise, "How uncertain the odometry between two keyframes is");
+  v.section("lidar", p.lidar, "Odometry estimated from the scans");
 }
 
 void fields(FieldVisitor& v, LoopParams& p) { v.flag("enabled", p.enabled, "Close loops between keyframes"); }

@@ -1,32 +1,20 @@
 #include "dynemo/pipeline/slam_pipeline.h"
 
 #include <algorithm>
-#include <set>
 
-#include "dynemo/mapping/ground_height.h"
-#include "dynemo/mapping/localize.h"
-#include "dynemo/mapping/odometry_noise.h"
+#include "dynemo/mapping/ground_plane.h"
 #include "dynemo/perception/fragments.h"
 
 namespace dynemo {
 
-/// Where the robot is at a frame.
-struct SlamPipeline::RobotState {
-  Pose3 T_odom_base;
-  Pose3 T_map_base;  ///< predicted from the odometry and the drift so far
-  std::optional<OdometryState> measured;
-};
-
-SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& models)
+SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& models, bool rawlog_odometry)
     : mrpt::system::COutputLogger("dynemo"),
       params_(params),
+      tracker_(params.odometry, rawlog_odometry),
       policy_(params.keyframes),
       builder_(params.mapping, models),
       optimizer_(params.solver) {
   if (params.loops.enabled) throw ConfigError("loops.enabled: true: this version closes no loops yet");
-  if (params.odometry.source == OdometrySource::kLidar) {
-    throw ConfigError("odometry.source: lidar: this version has no LiDAR odometry yet; use auto or rawlog");
-  }
   for (const std::string& name : params.perception.detectors) {
     detectors_.push_back(entityDetectors().make(name, params.perception, models));
   }
@@ -34,10 +22,11 @@ SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& model
 
 SlamPipeline::~SlamPipeline() = default;
 
-void SlamPipeline::process(const SensorFrame& frame, FrameTiming& timing) {
-  // Front-end: the entities in view, the robot's motion, and whether the situation changed (Sec. III).
+void SlamPipeline::process(SensorFrame frame, FrameTiming& timing) {
+  // Front-end: the robot's motion, the entities in view, and whether the situation changed (Sec. III).
+  estimateMotion(frame, timing);
   auto observations = detect(frame, timing);
-  const RobotState robot = track(frame, observations, timing);
+  const RobotState robot = locate(frame, observations, timing);
   const std::uint32_t reasons = decide(frame, robot, observations, timing);
 
   // Back-end: nodes and constraints of the new keyframe, then everything jointly (Sec. IV).
@@ -46,6 +35,11 @@ void SlamPipeline::process(const SensorFrame& frame, FrameTiming& timing) {
     optimize(frame, timing);
   }
   record(frame, robot);
+}
+
+void SlamPipeline::estimateMotion(SensorFrame& frame, FrameTiming& timing) {
+  const ScopedStage stage(timing, Stage::kOdometry);
+  tracker_.estimate(frame);
 }
 
 std::vector<EntityObservation> SlamPipeline::detect(const SensorFrame& frame, FrameTiming& timing) {
@@ -59,30 +53,11 @@ std::vector<EntityObservation> SlamPipeline::detect(const SensorFrame& frame, Fr
   return all;
 }
 
-SlamPipeline::RobotState SlamPipeline::track(const SensorFrame& frame,
-                                             const std::vector<EntityObservation>& observations, FrameTiming& timing) {
+SlamPipeline::RobotState SlamPipeline::locate(const SensorFrame& frame,
+                                              const std::vector<EntityObservation>& observations, FrameTiming& timing) {
   const ScopedStage stage(timing, Stage::kOdometry);
-  RobotState robot;
-  robot.measured = frame.odometry;
-  if (robot.measured) {
-    robot.T_odom_base = robot.measured->T_odom_base;
-  } else {
-    if (params_.odometry.source == OdometrySource::kRawlog && frames_.empty()) ++warnings_["frame without odometry"];
-    // Without odometry the entities in view tell where the robot is, else it is taken to stand still.
-    const auto T_map_base = localizeFromEntities(observations, graph_);
-    if (T_map_base) {
-      robot.T_odom_base = graph_.T_map_odom.inverse() * *T_map_base;
-    } else if (!frames_.empty()) {
-      robot.T_odom_base = frames_.back().T_odom_base;
-    }
-  }
-  robot.T_map_base = graph_.T_map_odom * robot.T_odom_base;
-  if (!frames_.empty()) {
-    const Pose3 T_prev_base = frames_.back().T_odom_base.inverse() * robot.T_odom_base;
-    path_since_keyframe_m_ += T_prev_base.t.norm();
-    path_since_keyframe_rad_ += rotationAngle(T_prev_base);
-  }
-  return robot;
+  const Pose3 T_odom_base = tracker_.locate(frame, observations, graph_);
+  return {T_odom_base, graph_.T_map_odom * T_odom_base};
 }
 
 std::uint32_t SlamPipeline::decide(const SensorFrame& frame, const RobotState& robot,
@@ -99,9 +74,8 @@ KeyframeData SlamPipeline::select(const SensorFrame& frame, const RobotState& ro
   keyframe.reasons = reasons;
   keyframe.T_odom_base = robot.T_odom_base;
   keyframe.T_map_base = robot.T_map_base;
-  keyframe.odometry_covariance = odometryCovariance(frame, robot);
-  keyframe_odometry_ = robot.measured;
-  path_since_keyframe_m_ = path_since_keyframe_rad_ = 0.0;
+  keyframe.odometry_covariance = tracker_.covarianceSinceKeyframe(frame, graph_);
+  tracker_.keyframeMade(frame);
 
   if (frame.scan) {
     const ScopedStage stage(timing, Stage::kFragments);
@@ -117,22 +91,10 @@ KeyframeData SlamPipeline::select(const SensorFrame& frame, const RobotState& ro
   return keyframe;
 }
 
-Matrix6 SlamPipeline::odometryCovariance(const SensorFrame& frame, const RobotState& robot) const {
-  const OdometryNoiseParams& noise = params_.odometry.noise;
-  if (noise.source == OdometryNoiseSource::kFitness && frame.scan && !graph_.keyframes().empty()) {
-    const CNodeKeyframe& last = *graph_.keyframes().back();
-    if (last.scan && robot.measured) {
-      return fitnessCovariance(scanFitness(*last.scan, *frame.scan, last.T_odom_base.inverse() * robot.T_odom_base), noise);
-    }
-  }
-  return relativeOdometryCovariance(keyframe_odometry_, robot.measured, path_since_keyframe_m_, path_since_keyframe_rad_,
-                                    noise);
-}
-
 std::optional<double> SlamPipeline::groundLevel(const SensorFrame& frame, const RobotState& robot) const {
-  const auto height_m = groundHeight(*frame.scan, robot.T_map_base.R);
-  if (!height_m) return std::nullopt;
-  return robot.T_map_base.t.z() + *height_m;
+  const auto ground = findGround(*frame.scan, robot.T_map_base.R);
+  if (!ground) return std::nullopt;
+  return robot.T_map_base.t.z() + ground->height_m;
 }
 
 std::map<EntityId, Matrix6> SlamPipeline::relativeCovariances(const std::vector<EntityObservation>& observations,
@@ -237,6 +199,7 @@ void SlamPipeline::updateCovariances() {
 
 std::map<std::string, std::uint64_t> SlamPipeline::warnings() const {
   auto all = warnings_;
+  for (const auto& [text, count] : tracker_.warnings()) all[text] += count;
   for (const auto& detector : detectors_) {
     for (const auto& [text, count] : detector->warnings()) all[text] += count;
   }

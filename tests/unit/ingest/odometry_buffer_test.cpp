@@ -19,7 +19,7 @@ OdometryState state(double seconds) {
   return {truePose(seconds), isotropicCovariance(0.1 * seconds, 0.01)};
 }
 
-OdometryBuffer filled(const OdometryParams& params) {
+OdometryBuffer filled(const OdometrySensorParams& params) {
   OdometryBuffer buffer(params);
   for (int i = 0; i <= 20; ++i) buffer.push(at(0.1 * i), state(0.1 * i));
   return buffer;
@@ -49,7 +49,7 @@ TEST(OdometryBuffer, ContinuesAtConstantVelocityForAShortTime) {
 }
 
 TEST(OdometryBuffer, DoesNotBridgeLongGaps) {
-  OdometryParams params;
+  OdometrySensorParams params;
   OdometryBuffer buffer(params);
   for (const double t : {0.0, 0.1, 1.1, 1.2}) buffer.push(at(t), state(t));
   EXPECT_TRUE(buffer.at(at(0.15)));

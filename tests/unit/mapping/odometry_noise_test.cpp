@@ -22,7 +22,13 @@ TEST(OdometryNoise, RecordedGrowthIsRecovered) {
   const Matrix6 cov_a = isotropicCovariance(0.2, 0.05);
   const Matrix6 A = composeJacobianLeft(T_a_b);
   const OdometryState a{T_odom_a, cov_a}, b{T_odom_a * T_a_b, A * cov_a * A.transpose() + Q};
-  EXPECT_LT((relativeOdometryCovariance(a, b, 1, 0.4, withoutJitter()) - Q).norm(), 1e-9);
+  OdometryNoiseParams p = withoutJitter();
+  p.systematic_per_sqrt_m = 0.0;
+  EXPECT_LT((relativeOdometryCovariance(a, b, 1, 0.4, p) - Q).norm(), 1e-9);
+  p.systematic_per_sqrt_m = 0.02;
+  const Matrix6 excess = relativeOdometryCovariance(a, b, 4, 0.4, p) - Q;
+  EXPECT_NEAR(excess(0, 0), 0.0016, 1e-9);
+  EXPECT_NEAR(excess(5, 5), 0.0, 1e-9);
 }
 
 TEST(OdometryNoise, AShrinkingRecordedCovarianceStaysPositiveDefinite) {

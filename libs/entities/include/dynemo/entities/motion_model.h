@@ -27,8 +27,8 @@ struct MotionParams {
   double min_motion_m = 0.10;
   double min_rotation_rad = 0.12;
 
-  double static_sigma_m = 0.02;
-  double static_sigma_rad = 0.035;
+  double static_sigma_m = 0.005;
+  double static_sigma_rad = 0.00873;
   /// Huber width of the static edge, in standard deviations.
   double static_kernel_width = 1.345;
 

@@ -48,14 +48,17 @@ class DecoderTable {
   struct Entry {
     const mrpt::rtti::TRuntimeClassId* mrpt_class;
     Decoder<T> decode;
+    std::function<bool(const mrpt::obs::CObservation&)> applies;  ///< empty: always
   };
-  void add(const mrpt::rtti::TRuntimeClassId* mrpt_class, Decoder<T> decode) {
-    entries_.push_back({mrpt_class, std::move(decode)});
+  void add(const mrpt::rtti::TRuntimeClassId* mrpt_class, Decoder<T> decode,
+           std::function<bool(const mrpt::obs::CObservation&)> applies = nullptr) {
+    entries_.push_back({mrpt_class, std::move(decode), std::move(applies)});
   }
-  /// Index of the entry for this object's class, or -1; a smaller index is preferred.
+  /// Index of the entry for this object, or -1; a smaller index is preferred.
   int find(const mrpt::obs::CObservation& observation) const {
     for (std::size_t i = 0; i < entries_.size(); ++i)
-      if (observation.GetRuntimeClass()->derivedFrom(entries_[i].mrpt_class))
+      if (observation.GetRuntimeClass()->derivedFrom(entries_[i].mrpt_class) &&
+          (!entries_[i].applies || entries_[i].applies(observation)))
         return static_cast<int>(i);
     return -1;
   }
@@ -93,6 +96,10 @@ Expected<Scan, DecodeFailure> decodeRotatingScan(mrpt::obs::CObservation& o,
 Expected<Scan, DecodeFailure> decode3DRangeScan(mrpt::obs::CObservation& o, const DecodeContext& c);
 Expected<CameraImage, DecodeFailure> decodeImage(mrpt::obs::CObservation& o,
                                                  const DecodeContext& c);
+/// Whether a CObservation3DRangeScan comes with an image of the visible channel.
+bool hasVisibleImage(const mrpt::obs::CObservation& o);
+Expected<CameraImage, DecodeFailure> decode3DRangeScanImage(mrpt::obs::CObservation& o,
+                                                            const DecodeContext& c);
 Expected<OdometryState, DecodeFailure> decodeRobotPose(mrpt::obs::CObservation& o,
                                                        const DecodeContext& c);
 Expected<OdometryState, DecodeFailure> decodeOdometry2D(mrpt::obs::CObservation& o,

@@ -32,6 +32,8 @@ class FrameSource {
   /// The next frame in order of time, or nothing at the end. Throws DataError on input that cannot
   /// be used at all; damage after a usable beginning ends the stream with a counted warning.
   virtual std::optional<SensorFrame> next() = 0;
+  /// Whether the frames carry the log's odometry (where it has no gap).
+  virtual bool hasOdometry() const = 0;
   virtual const IngestReport& report() const = 0;
   virtual IngestProgress progress() const = 0;
 };

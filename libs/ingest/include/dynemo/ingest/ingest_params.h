@@ -27,11 +27,11 @@ struct LidarParams {
 };
 
 struct CameraParams {
-  /// Empty: every sensor that gives images.
+  /// Empty: every camera; when there is none, the images that come with a depth camera.
   std::vector<std::string> labels;
 };
 
-struct OdometryParams {
+struct OdometrySensorParams {
   /// Empty: the 3-D poses when there are any, else 2-D odometry, else the odometry actions.
   std::string label;
   /// Samples further apart than this are not interpolated between.
@@ -64,7 +64,7 @@ struct ClockParams {
 struct IngestParams {
   LidarParams lidar;
   CameraParams cameras;
-  OdometryParams odometry;
+  OdometrySensorParams odometry;
   ExternalDetectionParams detections;
   SyncParams sync;
   ClockParams clock;
@@ -76,7 +76,7 @@ struct IngestParams {
 
 void fields(FieldVisitor& v, LidarParams& p);
 void fields(FieldVisitor& v, CameraParams& p);
-void fields(FieldVisitor& v, OdometryParams& p);
+void fields(FieldVisitor& v, OdometrySensorParams& p);
 void fields(FieldVisitor& v, ExternalDetectionParams& p);
 void fields(FieldVisitor& v, SyncParams& p);
 void fields(FieldVisitor& v, ClockParams& p);

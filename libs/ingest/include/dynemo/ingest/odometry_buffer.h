@@ -11,7 +11,7 @@ namespace dynemo {
 
 class OdometryBuffer {
  public:
-  explicit OdometryBuffer(const OdometryParams& params) : params_(params) {}
+  explicit OdometryBuffer(const OdometrySensorParams& params) : params_(params) {}
 
   /// Stamps must increase; false, without effect, when this one does not.
   bool push(Stamp stamp, const OdometryState& state);
@@ -35,7 +35,7 @@ class OdometryBuffer {
   std::optional<OdometryState> extrapolate(std::size_t from, std::size_t towards,
                                            Stamp stamp) const;
 
-  OdometryParams params_;
+  OdometrySensorParams params_;
   std::deque<Sample> samples_;
 };
 

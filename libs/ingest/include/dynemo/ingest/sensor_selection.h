@@ -23,19 +23,22 @@ class SensorSelection {
   bool uses(const TimedItem& item) const;
   /// What the frames follow.
   SensorRole key() const { return key_; }
+  /// Whether the beginning of the log carries odometry that is used.
+  bool hasOdometry() const { return odometry_rank_.has_value(); }
   /// Labels that the configuration names, with their roles.
   const std::set<std::pair<SensorRole, std::string>>& named() const { return named_; }
 
  private:
   void chooseScans(const IngestParams& params, const std::vector<TimedItem>& beginning,
                    const std::string& origin);
+  void chooseImages(const std::vector<TimedItem>& beginning);
   void chooseOdometry(const IngestParams& params, const std::vector<TimedItem>& beginning,
                       const std::string& origin);
 
   std::optional<std::string> scan_label_;
   std::set<std::string> image_labels_, detection_labels_;  ///< empty: all
   std::optional<std::string> odometry_label_;
-  std::optional<int> odometry_rank_;
+  std::optional<int> image_rank_, odometry_rank_;  ///< the preferred class; empty: any
   SensorRole key_ = SensorRole::kOdometry;
   std::set<std::pair<SensorRole, std::string>> named_;
 };

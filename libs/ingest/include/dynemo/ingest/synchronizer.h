@@ -33,7 +33,7 @@ struct FrameDraft {
 /// with equal stamps. Stamps of frames strictly increase.
 class Synchronizer {
  public:
-  Synchronizer(const SyncParams& sync, const OdometryParams& odometry, SensorRole key,
+  Synchronizer(const SyncParams& sync, const OdometrySensorParams& odometry, SensorRole key,
                WarningCounter& warnings);
 
   /// Stamps must not decrease.

@@ -49,6 +49,7 @@ class TimeOrder {
   WarningCounter& warnings_;
 
   std::multimap<Stamp, TimedItem> sorted_;
+  std::size_t large_ = 0;  ///< scans and images among them
   std::deque<TimedItem> aside_;
   std::optional<Stamp> newest_, handed_out_;
   std::uint64_t accepted_ = 0;  ///< of the present clock

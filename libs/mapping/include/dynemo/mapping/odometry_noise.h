@@ -19,19 +19,24 @@ enum class OdometryNoiseSource {
 /// too, since it is not part of what accumulates.
 struct OdometryNoiseParams {
   OdometryNoiseSource source = OdometryNoiseSource::kRecorded;
-  double translation_per_sqrt_m = 0.02;
+  double translation_per_sqrt_m = 0.012;
   double translation_per_sqrt_rad = 0.01;
   double rotation_per_sqrt_m_rad = 0.004;
   double rotation_per_sqrt_rad_rad = 0.006;
   double jitter_m = 0.004;
   double jitter_rad = 0.001;
-  /// Recorded covariances are multiplied by the square of it: logs tend to be optimistic.
+  /// Recorded covariances are multiplied by the square of it.
   double recorded_scale = 1.0;
+  /// Added to recorded covariances: they take the drift as random and leave out systematic errors of scale.
+  double systematic_per_sqrt_m = 0.010;
   /// Fitness f [m²], the mean squared nearest-neighbour distance of the scans: σ² grows from the smallest to the
   /// largest with (1 − e^(−20 f)) / (1 − e^(−20 f_max)).
   double fitness_max_m2 = 0.5;
   double fitness_min_sigma_m = 0.1, fitness_max_sigma_m = 5.0;
   double fitness_min_sigma_rad = 0.4, fitness_max_sigma_rad = 1.6;
+  /// Least uncertainty of LiDAR odometry between two keyframes: its Hessian knows nothing of wrong associations.
+  double lidar_min_sigma_m = 0.002;
+  double lidar_min_sigma_rad = 0.0005;
   /// Between keyframes where the odometry is missing.
   double missing_sigma_m = 2.0;
   double missing_sigma_rad = 1.0;

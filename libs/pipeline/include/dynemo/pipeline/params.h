@@ -10,12 +10,13 @@
 #include "dynemo/mapping/delta_builder.h"
 #include "dynemo/mapping/keyframe_policy.h"
 #include "dynemo/mapping/odometry_noise.h"
+#include "dynemo/odometry/odometry_params.h"
 #include "dynemo/perception/perception_params.h"
 
 namespace dynemo {
 
 enum class OdometrySource {
-  kAuto,    ///< the rawlog's when it carries any, else none but the entities in view
+  kAuto,    ///< the rawlog's when it carries any, else estimated from the scans
   kRawlog,  ///< the rawlog's; an error when it carries none
   kLidar    ///< estimated from the scans
 };
@@ -23,6 +24,7 @@ enum class OdometrySource {
 struct RobotOdometryParams {
   OdometrySource source = OdometrySource::kAuto;
   OdometryNoiseParams noise;
+  OdometryParams lidar;
 };
 void fields(FieldVisitor& v, RobotOdometryParams& p);
 

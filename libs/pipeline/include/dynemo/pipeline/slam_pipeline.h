@@ -15,6 +15,7 @@
 #include "dynemo/mapping/keyframe_policy.h"
 #include "dynemo/perception/entity_detector.h"
 #include "dynemo/pipeline/params.h"
+#include "dynemo/pipeline/robot_tracker.h"
 #include "dynemo/pipeline/stage_timer.h"
 
 namespace dynemo {
@@ -28,12 +29,13 @@ struct OptimizationRecord {
 
 class SlamPipeline : public mrpt::system::COutputLogger {
  public:
-  /// The entity models must outlive the pipeline. Throws ConfigError on parameters that cannot work together.
-  SlamPipeline(const DynemoParams& params, const EntityModels& models);
+  /// `rawlog_odometry`: the frames carry the log's odometry. The entity models must outlive the pipeline. Throws
+  /// ConfigError on parameters that cannot work together.
+  SlamPipeline(const DynemoParams& params, const EntityModels& models, bool rawlog_odometry);
   ~SlamPipeline() override;
 
   /// Takes the next frame, in order of time. `timing` already holds what the ingest took.
-  void process(const SensorFrame& frame, FrameTiming& timing);
+  void process(SensorFrame frame, FrameTiming& timing);
 
   /// Final optimisation, trajectory and covariances. More frames may follow.
   void finish();
@@ -51,10 +53,15 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   std::map<std::string, std::uint64_t> warnings() const;
 
  private:
-  struct RobotState;
+  /// Where the robot is at a frame.
+  struct RobotState {
+    Pose3 T_odom_base;
+    Pose3 T_map_base;  ///< predicted from the odometry and the drift so far
+  };
 
+  void estimateMotion(SensorFrame& frame, FrameTiming& timing);
   std::vector<EntityObservation> detect(const SensorFrame& frame, FrameTiming& timing);
-  RobotState track(const SensorFrame& frame, const std::vector<EntityObservation>& observations, FrameTiming& timing);
+  RobotState locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations, FrameTiming& timing);
   std::uint32_t decide(const SensorFrame& frame, const RobotState& robot,
                        const std::vector<EntityObservation>& observations, FrameTiming& timing);
   void record(const SensorFrame& frame, const RobotState& robot);
@@ -65,12 +72,12 @@ class SlamPipeline : public mrpt::system::COutputLogger {
 
   std::map<EntityId, Matrix6> relativeCovariances(const std::vector<EntityObservation>& observations,
                                                   const RobotState& robot, const Matrix6& odometry_covariance);
-  Matrix6 odometryCovariance(const SensorFrame& frame, const RobotState& robot) const;
   std::optional<double> groundLevel(const SensorFrame& frame, const RobotState& robot) const;
   void runOptimizer(std::uint64_t frame_index, Stamp stamp);
   void updateCovariances();
 
   DynemoParams params_;
+  RobotTracker tracker_;
   std::vector<std::unique_ptr<EntityDetector>> detectors_;
   KeyframePolicy policy_;
   DeltaBuilder builder_;
@@ -79,8 +86,6 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   CSceneGraph graph_;
   std::vector<FramePose> frames_;
   std::vector<std::size_t> keyframe_of_frame_;  ///< index of the latest keyframe at or before each frame
-  std::optional<OdometryState> keyframe_odometry_;
-  double path_since_keyframe_m_ = 0.0, path_since_keyframe_rad_ = 0.0;
   std::map<NodeId, Matrix6> entity_covariances_;
   std::optional<Matrix6> drift_covariance_;
   std::vector<OptimizationRecord> optimizations_;

@@ -1,4 +1,4 @@
-#include "dynemo/mapping/ground_height.h"
+#include "dynemo/mapping/ground_plane.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -56,7 +56,7 @@ Plane refined(const std::vector<Vector3>& points, const Plane& plane) {
 
 }  // namespace
 
-std::optional<double> groundHeight(const Scan& scan, const Matrix3& R_level_base) {
+std::optional<GroundPlane> findGround(const Scan& scan, const Matrix3& R_level_base) {
   const std::vector<Vector3> all = nearbyPointsBelow(scan, R_level_base);
   if (all.size() < kMinInliers) return std::nullopt;
   std::vector<Vector3> samples;
@@ -83,7 +83,12 @@ std::optional<double> groundHeight(const Scan& scan, const Matrix3& R_level_base
     }
   }
   if (best_count * stride < kMinInliers) return std::nullopt;
-  return refined(all, best).heightAtOrigin();
+  const Plane plane = refined(all, best);
+  return GroundPlane{plane.normal, plane.heightAtOrigin()};
+}
+
+Matrix3 levelling(const GroundPlane& ground) {
+  return Eigen::Quaterniond::FromTwoVectors(ground.normal, Vector3::UnitZ()).toRotationMatrix();
 }
 
 }  // namespace dynemo

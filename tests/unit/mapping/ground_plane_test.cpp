@@ -1,4 +1,4 @@
-#include "dynemo/mapping/ground_height.h"
+#include "dynemo/mapping/ground_plane.h"
 
 #include <gtest/gtest.h>
 
@@ -27,29 +27,36 @@ Scan room(double height_m, const Matrix3& R_level_base, double noise_m = 0.01) {
   return scan;
 }
 
-TEST(GroundHeight, FindsTheFloorAmongFurniture) {
-  const auto height_m = groundHeight(room(-0.12, Matrix3::Identity()), Matrix3::Identity());
-  ASSERT_TRUE(height_m);
-  EXPECT_NEAR(*height_m, -0.12, 0.005);
+TEST(FindGround, FindsTheFloorAmongFurniture) {
+  const auto ground = findGround(room(-0.12, Matrix3::Identity()), Matrix3::Identity());
+  ASSERT_TRUE(ground);
+  EXPECT_NEAR(ground->height_m, -0.12, 0.005);
 }
 
-TEST(GroundHeight, LevelsATiltedBase) {
+TEST(FindGround, LevelsATiltedBase) {
   const Matrix3 R_level_base = expSO3(Vector3(0.07, -0.05, 0.0));
-  const auto height_m = groundHeight(room(-1.25, R_level_base), R_level_base);
-  ASSERT_TRUE(height_m);
-  EXPECT_NEAR(*height_m, -1.25, 0.01);
+  const auto ground = findGround(room(-1.25, R_level_base), R_level_base);
+  ASSERT_TRUE(ground);
+  EXPECT_NEAR(ground->height_m, -1.25, 0.01);
 }
 
-TEST(GroundHeight, NothingWithoutGround) {
+TEST(FindGround, TheNormalOfATiltedGroundLevelsTheBase) {
+  const Matrix3 R_level_base = expSO3(Vector3(0.06, 0.04, 0.0));
+  const auto ground = findGround(room(-1.25, R_level_base), Matrix3::Identity());
+  ASSERT_TRUE(ground);
+  EXPECT_LT(logSO3(levelling(*ground) * R_level_base.transpose()).norm(), 0.005);
+}
+
+TEST(FindGround, NothingWithoutGround) {
   Scan scan;
-  EXPECT_FALSE(groundHeight(scan, Matrix3::Identity()));
+  EXPECT_FALSE(findGround(scan, Matrix3::Identity()));
   for (int i = 0; i < 500; ++i) scan.cloud.points.emplace_back(2.0f, 0.01f * static_cast<float>(i % 50), 0.02f * static_cast<float>(i / 50) - 1.0f);
-  EXPECT_FALSE(groundHeight(scan, Matrix3::Identity()));
+  EXPECT_FALSE(findGround(scan, Matrix3::Identity()));
 }
 
-TEST(GroundHeight, IsDeterministic) {
+TEST(FindGround, IsDeterministic) {
   const Scan scan = room(-0.3, Matrix3::Identity());
-  EXPECT_EQ(*groundHeight(scan, Matrix3::Identity()), *groundHeight(scan, Matrix3::Identity()));
+  EXPECT_EQ(findGround(scan, Matrix3::Identity())->height_m, findGround(scan, Matrix3::Identity())->height_m);
 }
 
 }  // namespace

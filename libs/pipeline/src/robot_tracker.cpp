@@ -1,0 +1,93 @@
+#include "dynemo/pipeline/robot_tracker.h"
+
+#include "dynemo/core/noise.h"
+#include "dynemo/mapping/ground_plane.h"
+#include "dynemo/mapping/localize.h"
+
+namespace dynemo {
+
+RobotTracker::RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry) : params_(params) {
+  if (params.source == OdometrySource::kRawlog && !rawlog_odometry) {
+    throw ConfigError("odometry.source: rawlog: the rawlog carries no odometry; use auto or lidar");
+  }
+  if (params.source == OdometrySource::kLidar || (params.source == OdometrySource::kAuto && !rawlog_odometry)) {
+    scan_odometry_ = scanOdometries().make(params.lidar.method, params.lidar);
+  }
+}
+
+RobotTracker::~RobotTracker() = default;
+
+void RobotTracker::estimate(SensorFrame& frame) {
+  if (scan_odometry_ && frame.scan) estimateFromScan(frame);
+}
+
+void RobotTracker::estimateFromScan(SensorFrame& frame) {
+  if (!T_level_odom_) {
+    const auto ground = findGround(*frame.scan, Matrix3::Identity());
+    T_level_odom_ = ground ? Pose3(levelling(*ground), Vector3::Zero()) : Pose3();
+  }
+  const auto estimate = scan_odometry_->update(*frame.scan, frame.odometry);
+  frame.odometry.reset();
+  for (CameraImage& image : frame.images) image.odometry.reset();
+  for (ExternalDetection& detection : frame.detections) detection.odometry.reset();
+  if (!estimate) {
+    ++warnings_["LiDAR odometry: " + toString(estimate.error())];
+    scan_covariance_.reset();
+    return;
+  }
+  const Pose3 T_odom_base = *T_level_odom_ * estimate->T_odom_base;
+  frame.odometry = OdometryState{T_odom_base, std::nullopt};
+  const auto carriedTo = [&](Stamp stamp) {
+    const Pose3 T_base_then(estimate->motion.at(secondsBetween(frame.stamp, stamp)));
+    return OdometryState{T_odom_base * T_base_then, std::nullopt};
+  };
+  for (CameraImage& image : frame.images) image.odometry = carriedTo(image.stamp);
+  for (ExternalDetection& detection : frame.detections) detection.odometry = carriedTo(detection.stamp);
+  if (scan_covariance_) {
+    const Matrix6 A = composeJacobianLeft(estimate->T_prev_base);
+    scan_covariance_ = A * *scan_covariance_ * A.transpose() + estimate->covariance;
+  }
+}
+
+Pose3 RobotTracker::locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations,
+                           const CSceneGraph& graph) {
+  Pose3 T_odom_base = last_T_odom_base_.value_or(Pose3());
+  if (frame.odometry) {
+    T_odom_base = frame.odometry->T_odom_base;
+  } else {
+    ++warnings_["frame without odometry"];
+    if (const auto T_map_base = localizeFromEntities(observations, graph)) {
+      T_odom_base = graph.T_map_odom.inverse() * *T_map_base;
+    }
+  }
+  if (last_T_odom_base_) {
+    const Pose3 T_last_base = last_T_odom_base_->inverse() * T_odom_base;
+    path_m_ += T_last_base.t.norm();
+    path_rad_ += rotationAngle(T_last_base);
+  }
+  last_T_odom_base_ = T_odom_base;
+  return T_odom_base;
+}
+
+Matrix6 RobotTracker::covarianceSinceKeyframe(const SensorFrame& frame, const CSceneGraph& graph) const {
+  const OdometryNoiseParams& noise = params_.noise;
+  if (noise.source == OdometryNoiseSource::kFitness && frame.scan && frame.odometry && !graph.keyframes().empty()) {
+    const CNodeKeyframe& last = *graph.keyframes().back();
+    if (last.scan) {
+      const Pose3 T_last_base = last.T_odom_base.inverse() * frame.odometry->T_odom_base;
+      return fitnessCovariance(scanFitness(*last.scan, *frame.scan, T_last_base), noise);
+    }
+  }
+  if (noise.source == OdometryNoiseSource::kRecorded && scan_odometry_ && scan_covariance_ && frame.odometry) {
+    return floorCovariance(*scan_covariance_, noise.lidar_min_sigma_m, noise.lidar_min_sigma_rad);
+  }
+  return relativeOdometryCovariance(keyframe_odometry_, frame.odometry, path_m_, path_rad_, noise);
+}
+
+void RobotTracker::keyframeMade(const SensorFrame& frame) {
+  keyframe_odometry_ = frame.odometry;
+  scan_covariance_ = Matrix6::Zero();
+  path_m_ = path_rad_ = 0.0;
+}
+
+}  // namespace dynemo
