@@ -99,6 +99,16 @@ const CNodeEntity* CSceneGraph::lastObservation(EntityId entity) const {
   return it == tracks_.end() || it->second.empty() ? nullptr : it->second.back().get();
 }
 
+void CSceneGraph::setScan(NodeId keyframe, std::shared_ptr<const Scan> scan) {
+  for (const auto& node : keyframes_) {
+    if (node->id == keyframe) {
+      node->scan = std::move(scan);
+      return;
+    }
+  }
+  throw std::out_of_range("no such keyframe in the scene graph: " + std::to_string(keyframe.value));
+}
+
 const std::vector<EdgeId>& CSceneGraph::edgesOf(NodeId node) const {
   return edges_of_node_.at(node.value);
 }

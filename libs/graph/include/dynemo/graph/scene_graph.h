@@ -82,6 +82,8 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
   double edgeCost(const CEdgeBase& edge) const;
   double totalCost() const;
 
+  /// Gives a keyframe its scan back; for sessions. Throws std::out_of_range when there is no such keyframe.
+  void setScan(NodeId keyframe, std::shared_ptr<const Scan> scan);
   /// Replaces a node's estimate; for optimisers.
   void setState(NodeId node, const double* state) { nodes_.at(node.value)->writeState(state); }
 

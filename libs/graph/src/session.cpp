@@ -1,0 +1,143 @@
+#include "dynemo/graph/session.h"
+
+#include <mrpt/io/CMemoryStream.h>
+#include <mrpt/serialization/CArchive.h>
+
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+#include "archive.h"
+#include "dynemo/core/output_file.h"
+#include "dynemo/graph/types.h"
+
+namespace dynemo {
+
+namespace fs = std::filesystem;
+using mrpt::serialization::CArchive;
+
+namespace {
+
+constexpr std::uint32_t kMaxPoints = 50'000'000;
+
+std::string toBytes(const std::function<void(CArchive&)>& write) {
+  mrpt::io::CMemoryStream memory;
+  auto archive = mrpt::serialization::archiveFrom(memory);
+  write(archive);
+  return {static_cast<const char*>(memory.getRawBufferData()), static_cast<std::size_t>(memory.getTotalBytesCount())};
+}
+
+/// Reads a whole file through an archive; every failure names the file, and nothing may be left over.
+void fromFile(const fs::path& file, const std::function<void(CArchive&)>& read) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw DataError(file.string() + ": is missing or cannot be read");
+  std::ostringstream bytes;
+  bytes << in.rdbuf();
+  const std::string data = bytes.str();
+  mrpt::io::CMemoryStream memory(data.data(), data.size());
+  auto archive = mrpt::serialization::archiveFrom(memory);
+  try {
+    read(archive);
+  } catch (const std::exception& e) {
+    std::string why = e.what();
+    throw DataError(file.string() + ": is damaged: " + why.substr(0, why.find('\n')));
+  }
+  if (memory.getPosition() != data.size()) throw DataError(file.string() + ": is damaged: bytes after the end");
+}
+
+template <class T>
+void putArray(CArchive& out, const std::vector<T>& values) {
+  out.WriteAs<std::uint32_t>(values.size());
+  if (!values.empty()) out.WriteBuffer(values.data(), values.size() * sizeof(T));
+}
+
+template <class T>
+void getArray(CArchive& in, std::vector<T>& values, std::uint32_t max) {
+  const std::uint32_t n = getLength(in, max);
+  values.clear();
+  // In pieces, so that a damaged length runs into the end of the file before it runs out of memory.
+  constexpr std::uint32_t kPiece = 65536;
+  for (std::uint32_t done = 0; done < n;) {
+    const std::uint32_t piece = std::min(kPiece, n - done);
+    values.resize(done + piece);
+    if (in.ReadBuffer(values.data() + done, piece * sizeof(T)) != piece * sizeof(T)) throw DataError("too short");
+    done += piece;
+  }
+}
+
+void putScan(CArchive& out, const Scan& scan) {
+  out << std::string("dynemo scan 1") << scan.stamp.ns;
+  put(out, scan.T_base_lidar);
+  putArray(out, scan.cloud.points);
+  putArray(out, scan.cloud.time_offset_s);
+  putArray(out, scan.cloud.row);
+  putArray(out, scan.cloud.column);
+  out << scan.cloud.rows << scan.cloud.columns;
+}
+
+Scan getScan(CArchive& in) {
+  Scan scan;
+  std::string magic;
+  in >> magic >> scan.stamp.ns;
+  if (magic != "dynemo scan 1") throw DataError("not a scan");
+  get(in, scan.T_base_lidar);
+  getArray(in, scan.cloud.points, kMaxPoints);
+  const auto n = static_cast<std::uint32_t>(scan.cloud.size());
+  getArray(in, scan.cloud.time_offset_s, n);
+  getArray(in, scan.cloud.row, n);
+  getArray(in, scan.cloud.column, n);
+  in >> scan.cloud.rows >> scan.cloud.columns;
+  return scan;
+}
+
+fs::path cloudFile(const fs::path& folder, NodeId keyframe) {
+  char name[32];
+  std::snprintf(name, sizeof(name), "%06llu.bin", static_cast<unsigned long long>(keyframe.value));
+  return folder / "clouds" / name;
+}
+
+}  // namespace
+
+void saveSession(const Session& session, const fs::path& folder) {
+  std::error_code failure;
+  fs::create_directories(folder / "clouds", failure);
+  if (failure) throw DataError(folder.string() + ": cannot be created: " + failure.message());
+  std::vector<std::uint64_t> with_cloud;
+  for (const auto& keyframe : session.graph.keyframes()) {
+    if (!keyframe->scan) continue;
+    with_cloud.push_back(keyframe->id.value);
+    writeFileAtomically(cloudFile(folder, keyframe->id), toBytes([&](CArchive& out) { putScan(out, *keyframe->scan); }));
+  }
+  writeFileAtomically(folder / "config.yaml", session.config_yaml);
+  // Last, so that a graph on disk always has its clouds.
+  writeFileAtomically(folder / "graph.bin", toBytes([&](CArchive& out) {
+                        out << std::string("dynemo session 1") << session.graph;
+                        putArray(out, with_cloud);
+                      }));
+}
+
+Session loadSession(const fs::path& folder) {
+  registerGraphClasses();
+  Session session;
+  std::vector<std::uint64_t> with_cloud;
+  fromFile(folder / "graph.bin", [&](CArchive& in) {
+    std::string magic;
+    in >> magic;
+    if (magic != "dynemo session 1") throw DataError("not a session");
+    in >> session.graph;
+    getArray(in, with_cloud, 1'000'000'000);
+  });
+  for (const std::uint64_t id : with_cloud) {
+    const fs::path file = cloudFile(folder, {id});
+    fromFile(file, [&](CArchive& in) { session.graph.setScan({id}, std::make_shared<const Scan>(getScan(in))); });
+  }
+  std::ifstream config(folder / "config.yaml", std::ios::binary);
+  if (!config) throw DataError((folder / "config.yaml").string() + ": is missing or cannot be read");
+  std::ostringstream text;
+  text << config.rdbuf();
+  session.config_yaml = text.str();
+  return session;
+}
+
+}  // namespace dynemo

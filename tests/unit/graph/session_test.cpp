@@ -1,0 +1,136 @@
+#include "dynemo/graph/session.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <random>
+#include <sstream>
+
+#include "dynemo/core/error.h"
+#include "dynemo/graph/edge_relative_pose.h"
+#include "dynemo/graph/types.h"
+
+namespace dynemo {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string bytesOf(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream out;
+  out << in.rdbuf();
+  return out.str();
+}
+
+void overwrite(const fs::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary | std::ios::trunc) << bytes;
+}
+
+class SessionTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("dynemo_session_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    fs::remove_all(folder_);
+    session_.config_yaml = "keyframes:\n  timer: false\n";
+    session_.graph.T_map_odom = Pose3::fromYawPitchRoll(0.1, 0.2, 0.3, 0.4, 0.5, 0.6);
+    std::mt19937_64 rng(4);
+    GraphDelta delta;
+    for (std::uint64_t i = 0; i < 3; ++i) {
+      auto keyframe = std::make_shared<CNodeKeyframe>();
+      keyframe->id = {i};
+      keyframe->T_map_node = randomPose(rng);
+      keyframe->stamp = {1'700'000'000'000'000'000 + static_cast<std::int64_t>(i)};
+      if (i != 1) keyframe->scan = scan(static_cast<int>(i) + 2);
+      delta.nodes.push_back(keyframe);
+    }
+    auto edge = CEdgeOdometry::example(rng);
+    edge->nodes = {{0}, {2}};
+    delta.edges.push_back(edge);
+    session_.graph.apply(delta);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  static std::shared_ptr<const Scan> scan(int points) {
+    auto s = std::make_shared<Scan>();
+    s->stamp = {42};
+    s->T_base_lidar = Pose3::translation(0, 0, 0.5);
+    for (int i = 0; i < points; ++i) {
+      s->cloud.points.emplace_back(0.1F * static_cast<float>(i), 1.0F, -2.0F);
+      s->cloud.time_offset_s.push_back(0.01F * static_cast<float>(i));
+    }
+    return s;
+  }
+  std::string loadError() const {
+    try {
+      loadSession(folder_);
+    } catch (const DataError& e) {
+      return e.what();
+    }
+    return "";
+  }
+
+  fs::path folder_;
+  Session session_;
+};
+
+TEST_F(SessionTest, LoadsBackWithCloudsAndDrift) {
+  saveSession(session_, folder_);
+  const Session loaded = loadSession(folder_);
+  EXPECT_EQ(loaded.config_yaml, session_.config_yaml);
+  EXPECT_EQ(loaded.graph.nodeCount(), 3u);
+  EXPECT_EQ(loaded.graph.edgeCount(), 1u);
+  EXPECT_EQ(local(loaded.graph.T_map_odom, session_.graph.T_map_odom).norm(), 0.0);
+  EXPECT_FALSE(loaded.graph.keyframes()[1]->scan);
+  ASSERT_TRUE(loaded.graph.keyframes()[2]->scan);
+  EXPECT_EQ(loaded.graph.keyframes()[2]->scan->cloud.points, session_.graph.keyframes()[2]->scan->cloud.points);
+  EXPECT_EQ(loaded.graph.keyframes()[2]->scan->cloud.time_offset_s.size(), 4u);
+}
+
+TEST_F(SessionTest, SavingWhatWasLoadedGivesTheSameBytes) {
+  saveSession(session_, folder_);
+  const fs::path again = folder_ / "again";
+  saveSession(loadSession(folder_), again);
+  for (const char* file : {"graph.bin", "config.yaml", "clouds/000000.bin", "clouds/000002.bin"}) {
+    EXPECT_EQ(bytesOf(folder_ / file), bytesOf(again / file)) << file;
+  }
+}
+
+TEST_F(SessionTest, EveryTruncationIsAnErrorThatNamesTheFile) {
+  saveSession(session_, folder_);
+  for (const char* name : {"graph.bin", "clouds/000002.bin"}) {
+    const std::string whole = bytesOf(folder_ / name);
+    for (std::size_t length = 0; length < whole.size(); length += 7) {
+      overwrite(folder_ / name, whole.substr(0, length));
+      EXPECT_NE(loadError().find(fs::path(name).filename().string()), std::string::npos) << name << " cut at " << length;
+    }
+    overwrite(folder_ / name, whole);
+  }
+  EXPECT_EQ(loadError(), "");
+}
+
+TEST_F(SessionTest, FlippedBytesNeverCrash) {
+  saveSession(session_, folder_);
+  const std::string whole = bytesOf(folder_ / "graph.bin");
+  std::mt19937 rng(9);
+  for (int i = 0; i < 300; ++i) {
+    std::string damaged = whole;
+    damaged[rng() % damaged.size()] = static_cast<char>(rng());
+    overwrite(folder_ / "graph.bin", damaged);
+    EXPECT_NO_FATAL_FAILURE(loadError());
+  }
+}
+
+TEST_F(SessionTest, MissingFilesAreNamed) {
+  saveSession(session_, folder_);
+  fs::remove(folder_ / "clouds" / "000002.bin");
+  EXPECT_NE(loadError().find("000002.bin"), std::string::npos);
+  EXPECT_THROW(loadSession(folder_ / "nowhere"), DataError);
+}
+
+TEST_F(SessionTest, AnUnwritableFolderIsAnError) {
+  std::ofstream(folder_) << "a file is in the way";
+  EXPECT_THROW(saveSession(session_, folder_), DataError);
+}
+
+}  // namespace
+}  // namespace dynemo
