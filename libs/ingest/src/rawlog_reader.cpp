@@ -100,7 +100,10 @@ void RawlogReader::Impl::explainFailure() {
   else if (!name.empty() && mrpt::rtti::findRegisteredClass(name) == nullptr)
     stopDamaged("object of unknown class '" + name + "', which cannot be skipped");
   else
-    stopDamaged("truncated or corrupt object" + (name.empty() ? "" : " of class " + name));
+    stopDamaged(name.empty() ? "bytes that are no object"
+                             : "object of class " + name +
+                                   " that cannot be read (truncated, corrupt, of a newer version "
+                                   "or with unknown content)");
 }
 
 RawlogReader::RawlogReader(const std::filesystem::path& file, std::size_t max_object_bytes) {

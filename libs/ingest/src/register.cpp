@@ -12,6 +12,7 @@
 namespace dynemo {
 
 const Decoders& decoders() {
+  // Within a role, in order of preference.
   static const Decoders table = [] {
     Decoders d;
     d.scans.add(CLASS_ID(mrpt::obs::CObservationPointCloud), decodePointCloud);
@@ -19,7 +20,8 @@ const Decoders& decoders() {
     d.scans.add(CLASS_ID(mrpt::obs::CObservationRotatingScan), decodeRotatingScan);
     d.scans.add(CLASS_ID(mrpt::obs::CObservation3DRangeScan), decode3DRangeScan);
     d.images.add(CLASS_ID(mrpt::obs::CObservationImage), decodeImage);
-    // In order of preference.
+    d.images.add(CLASS_ID(mrpt::obs::CObservation3DRangeScan), decode3DRangeScanImage,
+                 hasVisibleImage);
     d.odometry.add(CLASS_ID(mrpt::obs::CObservationRobotPose), decodeRobotPose);
     d.odometry.add(CLASS_ID(mrpt::obs::CObservationOdometry), decodeOdometry2D);
     d.detections.add(CLASS_ID(mrpt::obs::CObservation6DFeatures), decode6DFeatures);

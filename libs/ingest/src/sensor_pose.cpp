@@ -5,7 +5,7 @@ namespace dynemo {
 namespace {
 constexpr double kFarthest_m = 1e8;
 constexpr double kRotationTolerance = 1e-2;
-}
+}  // namespace
 
 bool isPlausible(const Pose3& pose) {
   if (!pose.isFinite() || pose.t.cwiseAbs().maxCoeff() > kFarthest_m) return false;

@@ -36,6 +36,7 @@ SensorSelection::SensorSelection(const IngestParams& params,
   for (const std::string& label : image_labels_) named_.insert({SensorRole::kImage, label});
   for (const std::string& label : detection_labels_) named_.insert({SensorRole::kDetection, label});
   chooseScans(params, beginning, origin);
+  chooseImages(beginning);
   chooseOdometry(params, beginning, origin);
   if (scan_label_)
     key_ = SensorRole::kScan;
@@ -58,6 +59,15 @@ void SensorSelection::chooseScans(const IngestParams& params,
     if (item.role == SensorRole::kScan) labels.insert(item.label);
   if (labels.size() > 1) throwAmbiguous(origin, "scans", labels, "ingest.lidar.label");
   if (!labels.empty()) scan_label_ = *labels.begin();
+}
+
+/// Images that come with a depth camera serve when there is no other camera, or when they are asked
+/// for by label.
+void SensorSelection::chooseImages(const std::vector<TimedItem>& beginning) {
+  if (!image_labels_.empty()) return;
+  for (const TimedItem& item : beginning)
+    if (item.role == SensorRole::kImage && (!image_rank_ || item.rank < *image_rank_))
+      image_rank_ = item.rank;
 }
 
 void SensorSelection::chooseOdometry(const IngestParams& params,
@@ -85,7 +95,8 @@ bool SensorSelection::uses(const TimedItem& item) const {
     case SensorRole::kScan:
       return scan_label_ == item.label;
     case SensorRole::kImage:
-      return image_labels_.empty() || image_labels_.contains(item.label);
+      return (image_labels_.empty() || image_labels_.contains(item.label)) &&
+             (!image_rank_ || image_rank_ == item.rank);
     case SensorRole::kDetection:
       return detection_labels_.empty() || detection_labels_.contains(item.label);
     case SensorRole::kOdometry:

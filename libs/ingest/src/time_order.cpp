@@ -6,9 +6,13 @@
 namespace dynemo {
 namespace {
 
-/// More than this many observations within the window means that time does not progress; the oldest
-/// is then let go.
-constexpr std::size_t kMostSorted = 512;
+/// More within the window means that time does not progress; the oldest observation is then let go.
+constexpr std::size_t kMostSorted = 4096;
+constexpr std::size_t kMostSortedLarge = 256;
+
+bool isLarge(const TimedItem& item) {
+  return item.role == SensorRole::kScan || item.role == SensorRole::kImage;
+}
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
@@ -41,6 +45,7 @@ void TimeOrder::accept(TimedItem item) {
   }
   if (!newest_ || item.stamp > *newest_) newest_ = item.stamp;
   ++accepted_;
+  large_ += isLarge(item) ? 1 : 0;
   const Stamp stamp = item.stamp;
   sorted_.emplace(stamp, std::move(item));
 }
@@ -90,6 +95,7 @@ void TimeOrder::confirmSetBack(Stamp first) {
   if (accepted_ < confirmations_) {
     warnings_.count("stamp far from those that follow, observation dropped", sorted_.size());
     sorted_.clear();
+    large_ = 0;
     newest_ = handed_out_;
   }
   if (!newest_ || first > *newest_) return;
@@ -109,10 +115,12 @@ std::optional<TimedItem> TimeOrder::pop() {
   if (sorted_.empty()) return std::nullopt;
   const auto oldest = sorted_.begin();
   const bool certain = finished_ || oldest->first.ns <= newest_->ns - window_ns_;
-  if (!certain && sorted_.size() <= kMostSorted) return std::nullopt;
+  const bool too_many = sorted_.size() > kMostSorted || large_ > kMostSortedLarge;
+  if (!certain && !too_many) return std::nullopt;
   handed_out_ = oldest->first;
   TimedItem item = std::move(oldest->second);
   sorted_.erase(oldest);
+  large_ -= isLarge(item) ? 1 : 0;
   return item;
 }
 

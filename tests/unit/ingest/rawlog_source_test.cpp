@@ -5,6 +5,7 @@
 #include <mrpt/obs/CActionCollection.h>
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CActionRobotMovement3D.h>
+#include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CSensoryFrame.h>
 #include <mrpt/poses/CPosePDFGaussian.h>
 
@@ -172,6 +173,51 @@ TEST_F(RawlogSource, WithoutCameraFramesFollowTheScans) {
   ASSERT_EQ(all.size(), 21U);
   EXPECT_TRUE(all[3].scan);
   EXPECT_TRUE(all[3].images.empty());
+}
+
+mrpt::obs::CObservation3DRangeScan depthCamera(double seconds) {
+  mrpt::obs::CObservation3DRangeScan o;
+  o.timestamp = mrptTime(seconds);
+  o.sensorLabel = "rgbd";
+  o.sensorPose = toMrpt(kBaseFromLidar);
+  o.hasRangeImage = true;
+  o.cameraParams.nrows = 4;
+  o.cameraParams.ncols = 6;
+  o.cameraParams.setIntrinsicParamsFromValues(5, 5, 2.5, 1.5);
+  o.rangeImage_setSize(4, 6);
+  for (int r = 0; r < 4; ++r)
+    for (int c = 0; c < 6; ++c) o.rangeImage(r, c) = 2000;
+  const auto image = imageObservation(seconds);
+  o.hasIntensityImage = true;
+  o.intensityImage = image.image;
+  o.cameraParamsIntensity = image.cameraParams;
+  return o;
+}
+
+TEST_F(RawlogSource, ADepthCameraAloneGivesScansAndImages) {
+  RawlogWriter& out = open();
+  for (int i = 0; i < 5; ++i) out.write(depthCamera(0.1 * i));
+  const auto all = frames();
+  ASSERT_EQ(all.size(), 5U);
+  EXPECT_EQ(all[2].scan->cloud.size(), 24U);
+  ASSERT_EQ(all[2].images.size(), 1U);
+  EXPECT_EQ(all[2].images[0].model.fx, 60);
+  const Pose3 T_depth_optical = Pose3::fromYawPitchRoll(0, 0, 0, -M_PI / 2, 0, -M_PI / 2);
+  expectNear(kBaseFromLidar * T_depth_optical, all[2].images[0].T_base_camera, kPoseTolerance);
+}
+
+TEST_F(RawlogSource, ACameraGoesBeforeTheImagesOfADepthCamera) {
+  RawlogWriter& out = open();
+  for (int i = 0; i < 5; ++i) {
+    out.write(depthCamera(0.1 * i));
+    out.write(imageObservation(0.1 * i));
+  }
+  for (const SensorFrame& f : frames()) {
+    ASSERT_EQ(f.images.size(), 1U);
+    EXPECT_EQ(f.images[0].label, "camera");
+  }
+  params_.cameras.labels = {"camera", "rgbd"};
+  for (const SensorFrame& f : frames()) EXPECT_EQ(f.images.size(), 2U);
 }
 
 TEST_F(RawlogSource, OdometryAloneGivesFramesToo) {
