@@ -14,6 +14,8 @@ constexpr double kMaxLambda = 1e12;
 constexpr double kFirstRaisedLambda = 1e-4;
 /// With more damping than this a small decrease says little about the distance to the minimum.
 constexpr double kNearlyUndamped = 1e-3;
+/// The old factor stays in use while the predicted decrease falls by this factor from step to step.
+constexpr double kFastContraction = 0.05;
 /// Keeps directions that no residual sees from making the system singular.
 constexpr double kMinScale = 1e-6;
 /// Relative rounding error of the sum of squares.
@@ -55,8 +57,23 @@ void LevenbergMarquardt::run(std::vector<double>& states) {
 void LevenbergMarquardt::linearizeAt(const std::vector<double>& states) {
   const ScopedTimer timer(report_.linearize_ms);
   linearize(problem_, structure_, states, equations_);
-  for (int i = 0; i < structure_.size(); ++i) {
-    scale_[i] = std::max(equations_.hessian[structure_.diagonal()[i]], kMinScale);
+  scaleDamping();
+}
+
+void LevenbergMarquardt::scaleDamping() {
+  // One scale for the three axes of a translation and one for those of a rotation: single entries
+  // of the diagonal would make the step depend on how the pose's own axes happen to lie.
+  constexpr int kAxes = 3;
+  for (int v = 0; v < problem_.connectivity().variables(); ++v) {
+    const int begin = structure_.tangentOffset(v),
+              end = begin + problem_.connectivity().tangent_size[v];
+    for (int first = begin; first < end; first += kAxes) {
+      const int count = std::min(kAxes, end - first);
+      double sum = 0.0;
+      for (int i = first; i < first + count; ++i)
+        sum += equations_.hessian[structure_.diagonal()[i]];
+      scale_.segment(first, count).setConstant(std::max(sum / count, kMinScale));
+    }
   }
 }
 
@@ -96,12 +113,7 @@ LevenbergMarquardt::Trial LevenbergMarquardt::tryStep(std::vector<double>& state
     stop(tiny ? StopReason::kSmallStep : StopReason::kConverged);
     return Trial::kRejected;
   }
-  retract(problem_, structure_, states, step_, candidate_);
-  double new_cost;
-  {
-    const ScopedTimer timer(report_.linearize_ms);
-    new_cost = evaluateCost(problem_, candidate_);
-  }
+  const double new_cost = tryCost(states);
   if (!std::isfinite(new_cost)) return Trial::kFailed;
   decrease_ = cost - new_cost;
   if (decrease_ < 0.0) return Trial::kRejected;
@@ -132,18 +144,32 @@ void LevenbergMarquardt::lowerDamping(double gain_ratio) {
   raise_ = 2.0;
 }
 
+double LevenbergMarquardt::tryCost(const std::vector<double>& states) {
+  const ScopedTimer timer(report_.linearize_ms);
+  retract(problem_, structure_, states, step_, candidate_);
+  return evaluateCost(problem_, candidate_);
+}
+
 bool LevenbergMarquardt::finishWithOldFactor(std::vector<double>& states) {
   if (lambda_ > kNearlyUndamped || decrease_ < 0.5 * predicted_) return false;
-  if (report_.iterations >= params_.max_iterations) return false;
-  solveStep();
-  const double predicted = -0.5 * step_.dot(equations_.gradient);
-  if (!(predicted <= params_.min_relative_decrease * equations_.cost)) return false;
-  retract(problem_, structure_, states, step_, candidate_);
-  const ScopedTimer timer(report_.linearize_ms);
-  const double cost = evaluateCost(problem_, candidate_);
-  if (cost <= equations_.cost) accept(states, cost);
-  stop(StopReason::kConverged);
-  return true;
+  double last_predicted = predicted_;
+  while (report_.iterations < params_.max_iterations) {
+    solveStep();
+    const double predicted = -0.5 * step_.dot(equations_.gradient);
+    const bool last_step = predicted <= params_.min_relative_decrease * equations_.cost;
+    if (!last_step && !(predicted <= kFastContraction * last_predicted)) return false;
+    const double cost = tryCost(states);
+    const bool lower = cost <= equations_.cost;
+    if (lower) accept(states, cost);
+    if (last_step) {
+      stop(StopReason::kConverged);
+      return true;
+    }
+    if (!lower) return false;
+    linearizeAt(states);
+    last_predicted = predicted;
+  }
+  return false;
 }
 
 void LevenbergMarquardt::fail(const std::vector<double>& states) {

@@ -1,10 +1,10 @@
 // Levenberg–Marquardt on flat states.
 //
-// A step solves (H + λ diag(H)) d = −g. λ starts almost at zero, so that from a warm start the
-// first step is a Gauss–Newton step, and follows the gain ratio (Nielsen, "Damping parameter in
-// Marquardt's method", 1999). After an accepted step the old factor is used once more on the new
-// gradient: when it predicts a decrease below the tolerance, that correction ends the optimisation
-// and a factorisation that would only confirm it is saved.
+// A step solves (H + λ D) d = −g, D a positive diagonal. λ starts almost at zero, so that from a
+// warm start the first step is a Gauss–Newton step, and follows the gain ratio (Nielsen, "Damping
+// parameter in Marquardt's method", 1999). After an accepted step the old factor is used again on
+// the new gradient for as long as that contracts fast (the simplified Newton method): the
+// factorisations that would only confirm the minimum are saved.
 #pragma once
 
 #include "dynemo/backend/optimizer.h"
@@ -26,6 +26,7 @@ class LevenbergMarquardt {
   enum class Trial { kAccepted, kRejected, kFailed };
 
   void linearizeAt(const std::vector<double>& states);
+  void scaleDamping();
   bool factorizeDamped();
   void solveStep();
   Trial tryStep(std::vector<double>& states);
@@ -33,7 +34,10 @@ class LevenbergMarquardt {
   /// Raises λ; false when there is no more room.
   bool raiseDamping();
   void lowerDamping(double gain_ratio);
+  /// Steps with the factor of an earlier linearisation; true when they reached the minimum.
   bool finishWithOldFactor(std::vector<double>& states);
+  /// Cost at states ⊞ step_, which candidate_ holds then.
+  double tryCost(const std::vector<double>& states);
   void stop(StopReason reason) { report_.stop = reason; }
   void fail(const std::vector<double>& states);
 

@@ -10,6 +10,9 @@
 #include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
 
+// Present when the system's BLAS is OpenBLAS.
+extern "C" [[gnu::weak]] void openblas_set_num_threads(int threads);
+
 namespace dynemo::test {
 namespace {
 
@@ -215,6 +218,7 @@ CeresResult solveWithCeres(const CSceneGraph& graph, double tolerance) {
   options.parameter_tolerance = 1e-12;
   options.num_threads = 1;
   options.logging_type = ceres::SILENT;
+  if (openblas_set_num_threads) openblas_set_num_threads(1);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   return {summary.initial_cost, summary.final_cost, summary.IsSolutionUsable(),
