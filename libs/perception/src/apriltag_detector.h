@@ -5,7 +5,7 @@
 
 #include "dynemo/perception/entity_detector.h"
 #include "dynemo/perception/perception_params.h"
-#include "tag_finder.h"
+#include "dynemo/perception/tag_finder.h"
 
 namespace dynemo {
 

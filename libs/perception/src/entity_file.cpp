@@ -11,7 +11,7 @@
 
 #include "dynemo/core/error.h"
 #include "dynemo/perception/entity_model.h"
-#include "tag_family.h"
+#include "dynemo/perception/tag_family.h"
 
 namespace dynemo {
 namespace {

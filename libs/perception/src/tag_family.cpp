@@ -1,4 +1,4 @@
-#include "tag_family.h"
+#include "dynemo/perception/tag_family.h"
 
 #include <apriltag/apriltag.h>
 #include <apriltag/tag16h5.h>

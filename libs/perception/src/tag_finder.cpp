@@ -1,4 +1,4 @@
-#include "tag_finder.h"
+#include "dynemo/perception/tag_finder.h"
 
 #include <apriltag/apriltag.h>
 

@@ -26,8 +26,8 @@ struct PerceptionParams {
   TagPoseParams tag_pose;
   AmbiguityParams ambiguity;
   // Calibration, mounting and time stamps leave errors that the corners do not show.
-  double min_sigma_translation_m = 0.02;
-  double min_sigma_rotation_rad = 0.035;
+  double min_sigma_translation_m = 0.003;
+  double min_sigma_rotation_rad = 0.005;
   ExternalDetectorParams external;
   FragmentParams fragments;
 };

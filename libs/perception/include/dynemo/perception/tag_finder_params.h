@@ -13,7 +13,7 @@ struct TagFinderParams {
   int threads = 1;
   int max_hamming = 1;
   double min_decision_margin = 30.0;
-  int min_white_black_diff = 5;
+  int min_white_black_diff = 20;
 };
 void fields(FieldVisitor& v, TagFinderParams& p);
 

@@ -25,10 +25,10 @@ double effectiveEdge_px(const TagCornerObservation& tag);
 
 struct TagPoseParams {
   // σ_px = max(floor, base + slope / effective edge)
-  double corner_sigma_base_px = 0.04;
-  double corner_sigma_slope_px2 = 1.2;
+  double corner_sigma_base_px = 0.07;
+  double corner_sigma_slope_px2 = 1.0;
   double corner_sigma_floor_px = 0.05;
-  double min_edge_px = 8.0;
+  double min_edge_px = 10.0;
   double max_reprojection_px = 2.0;
   int max_iterations = 30;
 };

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "dynemo/perception/tag_family.h"
 #include "dynemo/perception/tag_finder_params.h"
 #include "dynemo/perception/tag_pose.h"
-#include "tag_family.h"
 
 struct apriltag_detector;
 
