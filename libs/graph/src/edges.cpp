@@ -99,7 +99,9 @@ void CEdgeBase::readBase(CArchive& in) {
     throw DataError("a stored kernel is unknown");
   kernel.type = static_cast<KernelType>(type);
   getFinite(in, kernel.width);
-  if (kernel.width <= 0.0) throw DataError("a stored kernel has no width");
+  if (kernel.type != KernelType::kNone && kernel.width <= 0.0) {
+    throw DataError("a stored kernel has no width");
+  }
   MatrixX information(residualSize(), residualSize());
   for (int c = 0; c < residualSize(); ++c)
     for (int r = 0; r <= c; ++r) {

@@ -72,6 +72,9 @@ void CSceneGraph::insertEdge(const CEdgeBase::Ptr& edge) {
     throw std::logic_error(std::string(edge->kind()) +
                            " edge connects nodes of the wrong number or kind");
   }
+  if (edge->information().rows() != edge->residualSize()) {
+    throw std::logic_error(std::string(edge->kind()) + " edge has no information matrix");
+  }
   edges_.push_back(edge);
   ++edge_count_;
   for (const NodeId node : edge->nodes) edges_of_node_[node.value].push_back(edge->id);

@@ -176,6 +176,18 @@ TEST(SceneGraph, EdgesOnTheWrongNodesAreRefused) {
   refused([](DeltaFor& d) { d.edge<CEdgeAgentVelocity>({{2}, {3}}); });
 }
 
+TEST(SceneGraph, EdgesWithoutInformationAreRefused) {
+  CSceneGraph graph = smallGraph();
+  GraphDelta delta;
+  auto edge = std::make_shared<CEdgeOdometry>();
+  edge->id = graph.nextEdgeId();
+  edge->nodes = {{0}, {1}};
+  delta.edges = {edge};
+  EXPECT_THROW(graph.apply(delta), std::logic_error);
+  edge->setInformation(MatrixX::Identity(6, 6));
+  EXPECT_NO_THROW(graph.apply(delta));
+}
+
 TEST(SceneGraph, CostIsHalfTheRobustSquare) {
   CSceneGraph graph;
   DeltaFor d(graph);
