@@ -50,12 +50,13 @@ View viewOf(std::vector<Vector3> points) {
   return {0.5 * (min + max), std::max(1.0, 0.5 * (max - min).norm())};
 }
 
-void setCamera(mrpt::opengl::COpenGLViewport& viewport, const View& view) {
+void setCamera(mrpt::opengl::COpenGLViewport& viewport, const View& view,
+               const SceneParams& params) {
   auto& camera = viewport.getCamera();
   camera.setPointingAt(toPoint(view.center));
-  camera.setZoomDistance(static_cast<float>(2.7 * view.radius_m));
-  camera.setAzimuthDegrees(-90.0f);
-  camera.setElevationDegrees(55.0f);
+  camera.setZoomDistance(static_cast<float>(3.0 * view.radius_m));
+  camera.setAzimuthDegrees(params.azimuth_deg);
+  camera.setElevationDegrees(params.elevation_deg);
 }
 
 mrpt::opengl::COpenGLScene makeScene(const RunResult& run, const SceneParams& params) {
@@ -64,7 +65,7 @@ mrpt::opengl::COpenGLScene makeScene(const RunResult& run, const SceneParams& pa
   // Colours stay what they mean on the sides away from the light, too.
   scene.getViewport()->lightParameters().ambient = {0.5f, 0.5f, 0.5f};
   scene.getViewport()->lightParameters().diffuse = {0.5f, 0.5f, 0.5f};
-  setCamera(*scene.getViewport(), viewOf(samplePoints(run.graph)));
+  setCamera(*scene.getViewport(), viewOf(samplePoints(run.graph)), params);
   // What is translucent comes last.
   for (const auto part : {sceneFloors, sceneClouds, sceneTrajectory, sceneEdges, sceneEntities}) {
     scene.insert(part(run, params));

@@ -86,7 +86,7 @@ void drawLatest(CSetOfObjects& group, const CNodeEntity& node, const Extent& ext
   group.insert(axes);
   constexpr double kGap_m = 0.1;
   const Vector3 above(T_map_entity.t.x(), T_map_entity.t.y(), topOf(T_map_entity, extent) + kGap_m);
-  group.insert(label(title(node), above, colorFromRgb(0x101010), params.text_height_m));
+  group.insert(label(title(node), above, colorFromRgb(0x101010), params));
 }
 
 void drawTrack(CSetOfObjects& group, const Track& track, const SceneParams& params) {

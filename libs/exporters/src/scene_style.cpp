@@ -74,17 +74,16 @@ TColor entityColor(EntityId id, std::uint8_t alpha) {
 }
 
 mrpt::opengl::CSetOfObjects::Ptr label(const std::string& text, const Vector3& p_map,
-                                       const TColor& color, float height_m) {
-  auto object = mrpt::opengl::CText3D::Create(text, "sans", height_m);
-  object->setColor_u8(color);
-  // Leaning back by 45°, it can be read from above and from the side of the default camera.
-  constexpr double kLean_rad = std::numbers::pi / 4;
-  const auto bounds = object->getBoundingBoxLocal();
-  const double middle_m = 0.5 * (bounds.min.x + bounds.max.x);
-  object->setPose(
-      mrpt::poses::CPose3D(p_map.x() - middle_m, p_map.y(), p_map.z(), 0.0, 0.0, kLean_rad));
+                                       const TColor& color, const SceneParams& params) {
+  auto letters = mrpt::opengl::CText3D::Create(text, "sans", params.text_height_m);
+  letters->setColor_u8(color);
+  const auto bounds = letters->getBoundingBoxLocal();
+  letters->setLocation(-0.5 * (bounds.min.x + bounds.max.x), 0.0, 0.0);
   auto group = mrpt::opengl::CSetOfObjects::Create();
-  group->insert(object);
+  group->insert(letters);
+  constexpr double kDegree = std::numbers::pi / 180.0, kLean_rad = 45.0 * kDegree;
+  group->setPose(mrpt::poses::CPose3D(p_map.x(), p_map.y(), p_map.z(),
+                                      (params.azimuth_deg + 90.0) * kDegree, 0.0, kLean_rad));
   return group;
 }
 

@@ -29,6 +29,9 @@ struct SceneParams {
   double shortest_step_m = 0.1;
   float edge_line_px = 1.0f;
   float text_height_m = 0.22f;
+  /// Where the default camera stands, as SceneViewer3D starts.
+  float azimuth_deg = 45.0f;
+  float elevation_deg = 50.0f;
   double floor_margin_m = 1.0;
 };
 
@@ -45,9 +48,10 @@ mrpt::img::TColor entityColor(EntityId id, std::uint8_t alpha = 255);
 mrpt::opengl::CSetOfTriangles::Ptr tube(const std::vector<Vector3>& points, double radius_m,
                                         double shortest_step_m, const mrpt::img::TColor& color);
 
-/// Text that lies upright over a point, readable from the front and from above.
+/// Text over a point, turned to the default camera and leaning back so that it can be read from
+/// above, too. (MRPT's texts that follow the viewer vanish behind clouds.)
 mrpt::opengl::CSetOfObjects::Ptr label(const std::string& text, const Vector3& p_map,
-                                       const mrpt::img::TColor& color, float height_m);
+                                       const mrpt::img::TColor& color, const SceneParams& params);
 
 /// The keyframes' clouds and, in colour, the fragments of the entities.
 mrpt::opengl::CSetOfObjects::Ptr sceneClouds(const RunResult& run, const SceneParams& params);

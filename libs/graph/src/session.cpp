@@ -20,15 +20,26 @@ using mrpt::serialization::CArchive;
 namespace {
 
 constexpr std::uint32_t kMaxPoints = 50'000'000;
+constexpr const char* kScanHeader = "dynemo scan 1";
+constexpr const char* kSessionHeader = "dynemo session 1";
 
 std::string toBytes(const std::function<void(CArchive&)>& write) {
   mrpt::io::CMemoryStream memory;
   auto archive = mrpt::serialization::archiveFrom(memory);
   write(archive);
-  return {static_cast<const char*>(memory.getRawBufferData()), static_cast<std::size_t>(memory.getTotalBytesCount())};
+  return {static_cast<const char*>(memory.getRawBufferData()),
+          static_cast<std::size_t>(memory.getTotalBytesCount())};
 }
 
-/// Reads a whole file through an archive; every failure names the file, and nothing may be left over.
+/// The text that tells what a file is, its length checked before memory is asked for.
+void expectHeader(CArchive& in, const char* expected) {
+  std::string header;
+  get(in, header);
+  if (header != expected) throw DataError(std::string("does not start with '") + expected + "'");
+}
+
+/// Reads a whole file through an archive; every failure names the file, and nothing may be left
+/// over.
 void fromFile(const fs::path& file, const std::function<void(CArchive&)>& read) {
   std::ifstream in(file, std::ios::binary);
   if (!in) throw DataError(file.string() + ": is missing or cannot be read");
@@ -43,7 +54,8 @@ void fromFile(const fs::path& file, const std::function<void(CArchive&)>& read) 
     std::string why = e.what();
     throw DataError(file.string() + ": is damaged: " + why.substr(0, why.find('\n')));
   }
-  if (memory.getPosition() != data.size()) throw DataError(file.string() + ": is damaged: bytes after the end");
+  if (memory.getPosition() != data.size())
+    throw DataError(file.string() + ": is damaged: bytes after the end");
 }
 
 template <class T>
@@ -61,13 +73,14 @@ void getArray(CArchive& in, std::vector<T>& values, std::uint32_t max) {
   for (std::uint32_t done = 0; done < n;) {
     const std::uint32_t piece = std::min(kPiece, n - done);
     values.resize(done + piece);
-    if (in.ReadBuffer(values.data() + done, piece * sizeof(T)) != piece * sizeof(T)) throw DataError("too short");
+    if (in.ReadBuffer(values.data() + done, piece * sizeof(T)) != piece * sizeof(T))
+      throw DataError("too short");
     done += piece;
   }
 }
 
 void putScan(CArchive& out, const Scan& scan) {
-  out << std::string("dynemo scan 1") << scan.stamp.ns;
+  out << std::string(kScanHeader) << scan.stamp.ns;
   put(out, scan.T_base_lidar);
   putArray(out, scan.cloud.points);
   putArray(out, scan.cloud.time_offset_s);
@@ -76,11 +89,27 @@ void putScan(CArchive& out, const Scan& scan) {
   out << scan.cloud.rows << scan.cloud.columns;
 }
 
+/// What every other part of the program takes for granted of a cloud.
+void requireConsistent(const PointCloud& cloud) {
+  const auto perPoint = [&](std::size_t size) { return size == 0 || size == cloud.size(); };
+  if (!perPoint(cloud.time_offset_s.size()) || !perPoint(cloud.row.size()) ||
+      cloud.column.size() != cloud.row.size()) {
+    throw DataError("not one attribute per point");
+  }
+  for (const auto& point : cloud.points) {
+    if (!point.allFinite()) throw DataError("a stored point is not finite");
+  }
+  for (std::size_t i = 0; i < cloud.row.size(); ++i) {
+    if (cloud.row[i] >= cloud.rows || cloud.column[i] >= cloud.columns) {
+      throw DataError("a stored point lies outside its grid");
+    }
+  }
+}
+
 Scan getScan(CArchive& in) {
   Scan scan;
-  std::string magic;
-  in >> magic >> scan.stamp.ns;
-  if (magic != "dynemo scan 1") throw DataError("not a scan");
+  expectHeader(in, kScanHeader);
+  in >> scan.stamp.ns;
   get(in, scan.T_base_lidar);
   getArray(in, scan.cloud.points, kMaxPoints);
   const auto n = static_cast<std::uint32_t>(scan.cloud.size());
@@ -88,6 +117,7 @@ Scan getScan(CArchive& in) {
   getArray(in, scan.cloud.row, n);
   getArray(in, scan.cloud.column, n);
   in >> scan.cloud.rows >> scan.cloud.columns;
+  requireConsistent(scan.cloud);
   return scan;
 }
 
@@ -107,12 +137,13 @@ void saveSession(const Session& session, const fs::path& folder) {
   for (const auto& keyframe : session.graph.keyframes()) {
     if (!keyframe->scan) continue;
     with_cloud.push_back(keyframe->id.value);
-    writeFileAtomically(cloudFile(folder, keyframe->id), toBytes([&](CArchive& out) { putScan(out, *keyframe->scan); }));
+    writeFileAtomically(cloudFile(folder, keyframe->id),
+                        toBytes([&](CArchive& out) { putScan(out, *keyframe->scan); }));
   }
   writeFileAtomically(folder / "config.yaml", session.config_yaml);
   // Last, so that a graph on disk always has its clouds.
   writeFileAtomically(folder / "graph.bin", toBytes([&](CArchive& out) {
-                        out << std::string("dynemo session 1") << session.graph;
+                        out << std::string(kSessionHeader) << session.graph;
                         putArray(out, with_cloud);
                       }));
 }
@@ -122,18 +153,19 @@ Session loadSession(const fs::path& folder) {
   Session session;
   std::vector<std::uint64_t> with_cloud;
   fromFile(folder / "graph.bin", [&](CArchive& in) {
-    std::string magic;
-    in >> magic;
-    if (magic != "dynemo session 1") throw DataError("not a session");
+    expectHeader(in, kSessionHeader);
     in >> session.graph;
     getArray(in, with_cloud, 1'000'000'000);
   });
   for (const std::uint64_t id : with_cloud) {
     const fs::path file = cloudFile(folder, {id});
-    fromFile(file, [&](CArchive& in) { session.graph.setScan({id}, std::make_shared<const Scan>(getScan(in))); });
+    fromFile(file, [&](CArchive& in) {
+      session.graph.setScan({id}, std::make_shared<const Scan>(getScan(in)));
+    });
   }
   std::ifstream config(folder / "config.yaml", std::ios::binary);
-  if (!config) throw DataError((folder / "config.yaml").string() + ": is missing or cannot be read");
+  if (!config)
+    throw DataError((folder / "config.yaml").string() + ": is missing or cannot be read");
   std::ostringstream text;
   text << config.rdbuf();
   session.config_yaml = text.str();

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <limits>
 #include <random>
 #include <sstream>
 
@@ -29,7 +30,9 @@ void overwrite(const fs::path& file, const std::string& bytes) {
 class SessionTest : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("dynemo_session_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+    folder_ = fs::temp_directory_path() /
+              ("dynemo_session_" +
+               std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
     fs::remove_all(folder_);
     session_.config_yaml = "keyframes:\n  timer: false\n";
     session_.graph.T_map_odom = Pose3::fromYawPitchRoll(0.1, 0.2, 0.3, 0.4, 0.5, 0.6);
@@ -82,7 +85,8 @@ TEST_F(SessionTest, LoadsBackWithCloudsAndDrift) {
   EXPECT_EQ(local(loaded.graph.T_map_odom, session_.graph.T_map_odom).norm(), 0.0);
   EXPECT_FALSE(loaded.graph.keyframes()[1]->scan);
   ASSERT_TRUE(loaded.graph.keyframes()[2]->scan);
-  EXPECT_EQ(loaded.graph.keyframes()[2]->scan->cloud.points, session_.graph.keyframes()[2]->scan->cloud.points);
+  EXPECT_EQ(loaded.graph.keyframes()[2]->scan->cloud.points,
+            session_.graph.keyframes()[2]->scan->cloud.points);
   EXPECT_EQ(loaded.graph.keyframes()[2]->scan->cloud.time_offset_s.size(), 4u);
 }
 
@@ -101,7 +105,8 @@ TEST_F(SessionTest, EveryTruncationIsAnErrorThatNamesTheFile) {
     const std::string whole = bytesOf(folder_ / name);
     for (std::size_t length = 0; length < whole.size(); length += 7) {
       overwrite(folder_ / name, whole.substr(0, length));
-      EXPECT_NE(loadError().find(fs::path(name).filename().string()), std::string::npos) << name << " cut at " << length;
+      EXPECT_NE(loadError().find(fs::path(name).filename().string()), std::string::npos)
+          << name << " cut at " << length;
     }
     overwrite(folder_ / name, whole);
   }
@@ -130,6 +135,50 @@ TEST_F(SessionTest, MissingFilesAreNamed) {
 TEST_F(SessionTest, AnUnwritableFolderIsAnError) {
   std::ofstream(folder_) << "a file is in the way";
   EXPECT_THROW(saveSession(session_, folder_), DataError);
+}
+
+TEST_F(SessionTest, AHeaderOfAbsurdLengthIsAnError) {
+  saveSession(session_, folder_);
+  for (const char* name : {"graph.bin", "clouds/000002.bin"}) {
+    const std::string whole = bytesOf(folder_ / name);
+    overwrite(folder_ / name, "\xff\xff\xff\xff" + whole.substr(4));
+    EXPECT_NE(loadError().find("not plausible"), std::string::npos) << loadError();
+    overwrite(folder_ / name, whole);
+  }
+}
+
+TEST_F(SessionTest, ADamagedCloudIsAnErrorThatNamesTheFile) {
+  auto damaged = std::make_shared<Scan>(*scan(3));
+  const auto save = [&] {
+    session_.graph.setScan({2}, damaged);
+    saveSession(session_, folder_);
+  };
+  damaged->cloud.points[1].x() = std::numeric_limits<float>::quiet_NaN();
+  save();
+  EXPECT_NE(loadError().find("000002.bin: is damaged: a stored point is not finite"),
+            std::string::npos);
+  *damaged = *scan(3);
+  damaged->cloud.time_offset_s.pop_back();
+  save();
+  EXPECT_NE(loadError().find("000002.bin: is damaged: not one attribute per point"),
+            std::string::npos);
+  *damaged = *scan(3);
+  damaged->cloud.row = damaged->cloud.column = {0, 1, 2};
+  damaged->cloud.rows = 3;
+  damaged->cloud.columns = 2;
+  save();
+  EXPECT_NE(loadError().find("000002.bin: is damaged: a stored point lies outside"),
+            std::string::npos);
+}
+
+TEST_F(SessionTest, AFullDiskIsAnErrorAndLeavesTheEarlierGraph) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full on this system";
+  saveSession(session_, folder_);
+  const std::string before = bytesOf(folder_ / "graph.bin");
+  fs::create_symlink("/dev/full", folder_ / "graph.bin.part");
+  session_.graph.T_map_odom = Pose3();
+  EXPECT_THROW(saveSession(session_, folder_), DataError);
+  EXPECT_EQ(bytesOf(folder_ / "graph.bin"), before);
 }
 
 }  // namespace
