@@ -11,8 +11,9 @@
 
 namespace dynemo {
 
-/// Parses the command line and runs the body; the only place where exceptions end. Usage and configuration errors
-/// exit with 2, data errors with 3, anything else with 4, each after one message on stderr.
+/// Parses the command line and runs the body; the only place where exceptions end. Usage and
+/// configuration errors exit with 2, data errors with 3, anything else with 4, each after one
+/// message on stderr.
 inline int runProgram(CLI::App& app, int argc, char** argv, const std::function<int()>& body) {
   const auto fail = [&app](const std::string& what, ExitStatus status) {
     std::cerr << app.get_name() << ": " << what << '\n';

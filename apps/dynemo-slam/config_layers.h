@@ -9,14 +9,16 @@
 
 namespace dynemo {
 
-/// Layers of configuration, weakest first: config/default.yaml's values (built in), the setup, the user's file, --set.
+/// Layers of configuration, weakest first: config/default.yaml's values (built in), the setup, the
+/// user's file, --set.
 struct ConfigLayers {
   std::optional<std::string> setup;
   std::optional<std::filesystem::path> file;
   std::vector<std::string> overrides;
 };
 
-/// Throws ConfigError for an unknown setup (listing the known ones) and for every wrong key or value at once.
+/// Throws ConfigError for an unknown setup (listing the known ones) and for every wrong key or
+/// value at once.
 DynemoParams loadParams(const ConfigLayers& layers);
 
 /// Names of the installed setups, for --help and messages.

@@ -30,14 +30,22 @@ struct Options {
 };
 
 void declare(CLI::App& app, Options& o) {
-  app.add_option("RAWLOG", o.rawlog, "MRPT rawlog: LiDAR scans, camera images, odometry");
-  app.add_option("--config", o.config.file, "YAML file with the keys that differ from the defaults");
-  app.add_option("--setup", o.config.setup, "Named configuration, e.g. baseline or full");
-  app.add_option("--entities", o.entities, "YAML file: which tags belong to which agent or object");
-  app.add_option("--detections", o.detections, "CSV file with entity detections of another detector");
-  app.add_option("--set", o.config.overrides, "Override one key, e.g. --set keyframes.timer=false (repeatable)")
+  app.add_option("RAWLOG", o.rawlog, "MRPT rawlog: LiDAR scans, camera images, odometry")
+      ->type_name("");
+  app.add_option("--config", o.config.file, "YAML file with the keys that differ from the defaults")
+      ->type_name("FILE");
+  app.add_option("--setup", o.config.setup, "Named configuration, e.g. baseline or full")
+      ->type_name("NAME");
+  app.add_option("--entities", o.entities, "YAML file: which tags belong to which agent or object")
+      ->type_name("FILE");
+  app.add_option("--detections", o.detections,
+                 "CSV file with entity detections of another detector")
+      ->type_name("FILE.csv");
+  app.add_option("--set", o.config.overrides,
+                 "Override one key, e.g. --set keyframes.timer=false (repeatable)")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
-  app.add_option("--output", o.output, "Folder for the results (created)");
+  app.add_option("--output", o.output, "Folder for the results (created)")->type_name("DIR");
   app.add_flag("--dump-config", o.dump_config, "Print the effective configuration and exit");
   app.add_flag("-v,--verbose", o.verbose, "Print every keyframe");
   app.add_flag("-q,--quiet", o.quiet, "Print errors only");
@@ -53,7 +61,9 @@ void requireInputs(const Options& o) {
 RunCost measureCost(double wall_s, const IngestReport& report) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
   RunCost cost;
   cost.wall_s = wall_s;
   cost.cpu_s = seconds(usage.ru_utime) + seconds(usage.ru_stime);
@@ -62,7 +72,8 @@ RunCost measureCost(double wall_s, const IngestReport& report) {
   return cost;
 }
 
-void printSummary(const SlamPipeline& pipeline, const IngestReport& report, const RunCost& cost, const fs::path& output) {
+void printSummary(const SlamPipeline& pipeline, const IngestReport& report, const RunCost& cost,
+                  const fs::path& output) {
   const CSceneGraph& graph = pipeline.graph();
   std::size_t observations = 0, objects = 0, agents = 0;
   std::string moved;
@@ -70,19 +81,23 @@ void printSummary(const SlamPipeline& pipeline, const IngestReport& report, cons
     observations += track.size();
     const bool agent = track.front()->semantic_class == SemanticClass::kAgent;
     ++(agent ? agents : objects);
-    const bool displaced = std::any_of(track.begin(), track.end(), [](const auto& node) { return node->moved; });
+    const bool displaced =
+        std::any_of(track.begin(), track.end(), [](const auto& node) { return node->moved; });
     if (!agent && displaced) moved += (moved.empty() ? "" : ", ") + track.front()->name;
   }
-  std::cout << "frames      " << report.frames << "\nkeyframes   " << graph.keyframes().size() << "\nentities    "
-            << objects << " objects, " << agents << " agents, " << observations << " observations\nmoved       "
-            << (moved.empty() ? "none" : moved) << "\ngraph       " << graph.nodeCount() << " nodes, "
-            << graph.edgeCount() << " edges\n";
+  std::cout << "frames      " << report.frames << "\nkeyframes   " << graph.keyframes().size()
+            << "\nentities    " << objects << " objects, " << agents << " agents, " << observations
+            << " observations\nmoved       " << (moved.empty() ? "none" : moved) << "\ngraph       "
+            << graph.nodeCount() << " nodes, " << graph.edgeCount() << " edges\n";
   auto warnings = report.warnings;
   for (const auto& [text, count] : pipeline.warnings()) warnings[text] += count;
-  for (const auto& [text, count] : warnings) std::cout << "warning     " << text << ": " << count << '\n';
+  for (const auto& [text, count] : warnings)
+    std::cout << "warning     " << text << ": " << count << '\n';
   char line[128];
-  std::snprintf(line, sizeof(line), "time        %.1f s for %.1f s of data (%.1fx real time), %.0f MB", cost.wall_s,
-                cost.dataset_s, cost.wall_s > 0 ? cost.dataset_s / cost.wall_s : 0.0, cost.peak_rss_mb);
+  std::snprintf(line, sizeof(line),
+                "time        %.1f s for %.1f s of data (%.1fx real time), %.0f MB", cost.wall_s,
+                cost.dataset_s, cost.wall_s > 0 ? cost.dataset_s / cost.wall_s : 0.0,
+                cost.peak_rss_mb);
   std::cout << line << "\nresults     " << output.string() << '\n';
 }
 
@@ -127,8 +142,8 @@ int run(const Options& o) {
 
   pipeline.logging_enable_console_output = false;
   pipeline.setMinLoggingLevel(mrpt::system::LVL_DEBUG);
-  pipeline.logRegisterCallback([&](std::string_view text, const mrpt::system::VerbosityLevel level, std::string_view,
-                                   const mrpt::Clock::time_point) {
+  pipeline.logRegisterCallback([&](std::string_view text, const mrpt::system::VerbosityLevel level,
+                                   std::string_view, const mrpt::Clock::time_point) {
     std::string line(text);
     while (!line.empty() && line.back() == '\n') line.pop_back();
     folder.log(line);
@@ -137,13 +152,20 @@ int run(const Options& o) {
     std::cerr << line << '\n';
   });
 
-  RunIdentity identity{DYNEMO_VERSION, o.config.setup.value_or("default"),
-                       o.rawlog ? o.rawlog->filename().string() : o.detections->filename().string()};
+  if (models.empty() && !o.detections) {
+    pipeline.logStr(mrpt::system::LVL_WARN,
+                    "no --entities and no --detections: entities are taken from the rawlog's own "
+                    "detections only");
+  }
+  RunIdentity identity{
+      DYNEMO_VERSION, o.config.setup.value_or("default"),
+      o.rawlog ? o.rawlog->filename().string() : o.detections->filename().string()};
   processAll(*source, pipeline, folder, progress, identity, params.checkpoint_s);
   progress.clear();
   pipeline.finish();
   folder.optimizations(pipeline.optimizations());
-  if (pipeline.frames().empty()) throw DataError(identity.rawlog + ": holds no frame that could be used");
+  if (pipeline.frames().empty())
+    throw DataError(identity.rawlog + ": holds no frame that could be used");
 
   const RunCost cost = measureCost(progress.elapsed_s(), source->report());
   folder.results(pipeline, source->report(), identity);
@@ -159,9 +181,11 @@ int main(int argc, char** argv) {
   for (const int signal : {SIGINT, SIGTERM}) {
     std::signal(signal, [](int) { dynemo::interrupted = true; });
   }
-  CLI::App app("Dynamic entity and motion-aware 3D scene graph SLAM: reads an MRPT rawlog, writes trajectory, entities "
-               "and scene graph.",
-               "dynemo-slam");
+  CLI::App app(
+      "Dynamic entity and motion-aware 3D scene graph SLAM: reads an MRPT rawlog, writes "
+      "trajectory, entities "
+      "and scene graph.",
+      "dynemo-slam");
   dynemo::Options options;
   dynemo::declare(app, options);
   return dynemo::runProgram(app, argc, argv, [&] { return dynemo::run(options); });

@@ -16,12 +16,15 @@ Progress::Progress(bool enabled) : enabled_(enabled), terminal_(isatty(STDERR_FI
 
 Progress::~Progress() { clear(); }
 
-double Progress::elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
+double Progress::elapsed_s() const {
+  return std::chrono::duration<double>(Clock::now() - start_).count();
+}
 
 std::string Progress::text(const IngestProgress& progress) const {
   const double wall_s = elapsed_s();
   const double factor = wall_s > 0 ? progress.dataset_s / wall_s : 0.0;
-  const double eta_s = progress.fraction > 0 ? wall_s * (1.0 - progress.fraction) / progress.fraction : 0.0;
+  const double eta_s =
+      progress.fraction > 0 ? wall_s * (1.0 - progress.fraction) / progress.fraction : 0.0;
   char numbers[128];
   std::snprintf(numbers, sizeof(numbers), "%3.0f %%  %.1f s of data  %.1fx real time  ETA %.0f s",
                 100.0 * progress.fraction, progress.dataset_s, factor, eta_s);
@@ -35,7 +38,8 @@ void Progress::update(const IngestProgress& progress) {
   if (std::chrono::duration<double>(now - last_).count() < interval_s) return;
   last_ = now;
   if (terminal_) {
-    std::cerr << '\r' << mrpt::system::progress(progress.fraction, 30) << ' ' << text(progress) << "\033[K" << std::flush;
+    std::cerr << '\r' << mrpt::system::progress(progress.fraction, 30) << ' ' << text(progress)
+              << "\033[K" << std::flush;
     drawn_ = true;
   } else {
     std::cerr << text(progress) << '\n';

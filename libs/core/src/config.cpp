@@ -45,7 +45,8 @@ class YamlReader : public FieldVisitor {
   void number(const char* key, double& value, const char*, Range range) override {
     if (const auto node = find(key)) readNumber(*node, key, value, range);
   }
-  void optionalNumber(const char* key, std::optional<double>& value, const char*, Range range) override {
+  void optionalNumber(const char* key, std::optional<double>& value, const char*,
+                      Range range) override {
     const auto node = find(key);
     if (!node) return;
     if (node->IsNull()) {
@@ -59,7 +60,8 @@ class YamlReader : public FieldVisitor {
     const auto node = find(key);
     if (!node) return;
     int v{};
-    if (!node->IsScalar() || !YAML::convert<int>::decode(*node, v)) return complain(key, *node, "expected an integer");
+    if (!node->IsScalar() || !YAML::convert<int>::decode(*node, v))
+      return complain(key, *node, "expected an integer");
     if (!range.contains(v)) return complain(key, *node, "must be " + range.text());
     value = v;
   }
@@ -67,7 +69,8 @@ class YamlReader : public FieldVisitor {
     const auto node = find(key);
     if (!node) return;
     bool v{};
-    if (!node->IsScalar() || !YAML::convert<bool>::decode(*node, v)) return complain(key, *node, "expected true or false");
+    if (!node->IsScalar() || !YAML::convert<bool>::decode(*node, v))
+      return complain(key, *node, "expected true or false");
     value = v;
   }
   void text(const char* key, std::string& value, const char*) override {
@@ -107,7 +110,8 @@ class YamlReader : public FieldVisitor {
     }
     value = std::move(list);
   }
-  void table(const char* key, std::map<std::string, std::vector<double>>& value, const char*) override {
+  void table(const char* key, std::map<std::string, std::vector<double>>& value,
+             const char*) override {
     const auto node = find(key);
     if (!node) return;
     if (node->IsNull()) return value.clear();
@@ -125,7 +129,8 @@ class YamlReader : public FieldVisitor {
   void finish() { reportUnknown(levels_.back()); }
 
  protected:
-  void choiceIndex(const char* key, int& index, const std::vector<std::string>& names, const char*) override {
+  void choiceIndex(const char* key, int& index, const std::vector<std::string>& names,
+                   const char*) override {
     const auto node = find(key);
     if (!node) return;
     std::string allowed;
@@ -189,7 +194,8 @@ class YamlReader : public FieldVisitor {
     if (!node.IsSequence()) return false;
     for (const auto& item : node) {
       double v{};
-      if (!item.IsScalar() || !YAML::convert<double>::decode(item, v) || !std::isfinite(v)) return false;
+      if (!item.IsScalar() || !YAML::convert<double>::decode(item, v) || !std::isfinite(v))
+        return false;
       list.push_back(v);
     }
     return true;
@@ -201,7 +207,8 @@ class YamlReader : public FieldVisitor {
     if (!level.node.IsMap()) return;
     for (const auto& item : level.node) {
       const std::string key = item.first.IsScalar() ? item.first.Scalar() : oneLine(item.first);
-      if (!level.asked.contains(key)) problems_.push_back(origin_ + ": " + level.prefix + key + ": unknown key");
+      if (!level.asked.contains(key))
+        problems_.push_back(origin_ + ": " + level.prefix + key + ": unknown key");
     }
   }
 
@@ -218,31 +225,42 @@ class YamlWriter : public FieldVisitor {
   void number(const char* key, double& value, const char* doc, Range range) override {
     line(key, shortestNumber(value), doc, range.text());
   }
-  void optionalNumber(const char* key, std::optional<double>& value, const char* doc, Range range) override {
+  void optionalNumber(const char* key, std::optional<double>& value, const char* doc,
+                      Range range) override {
     const std::string allowed = range.text();
-    line(key, value ? shortestNumber(*value) : "null", doc, allowed.empty() ? "or null" : allowed + ", or null");
+    line(key, value ? shortestNumber(*value) : "null", doc,
+         allowed.empty() ? "or null" : allowed + ", or null");
   }
   void integer(const char* key, int& value, const char* doc, Range range) override {
     line(key, std::to_string(value), doc, range.text());
   }
-  void flag(const char* key, bool& value, const char* doc) override { line(key, value ? "true" : "false", doc, ""); }
-  void text(const char* key, std::string& value, const char* doc) override { line(key, quoted(value), doc, ""); }
-  void numbers(const char* key, std::vector<double>& value, const char* doc) override { line(key, list(value), doc, ""); }
+  void flag(const char* key, bool& value, const char* doc) override {
+    line(key, value ? "true" : "false", doc, "");
+  }
+  void text(const char* key, std::string& value, const char* doc) override {
+    line(key, quoted(value), doc, "");
+  }
+  void numbers(const char* key, std::vector<double>& value, const char* doc) override {
+    line(key, list(value), doc, "");
+  }
   void texts(const char* key, std::vector<std::string>& value, const char* doc) override {
     std::string s = "[";
     for (std::size_t i = 0; i < value.size(); ++i) s += (i ? ", " : "") + quoted(value[i]);
     line(key, s + "]", doc, "");
   }
-  void table(const char* key, std::map<std::string, std::vector<double>>& value, const char* doc) override {
+  void table(const char* key, std::map<std::string, std::vector<double>>& value,
+             const char* doc) override {
     if (value.empty()) return line(key, "{}", doc, "");
     line(key, "", doc, "");
-    for (const auto& [name, row] : value) out_ << indent() << "  " << quoted(name) << ": " << list(row) << "\n";
+    for (const auto& [name, row] : value)
+      out_ << indent() << "  " << quoted(name) << ": " << list(row) << "\n";
   }
 
   std::string str() const { return out_.str(); }
 
  protected:
-  void choiceIndex(const char* key, int& index, const std::vector<std::string>& names, const char* doc) override {
+  void choiceIndex(const char* key, int& index, const std::vector<std::string>& names,
+                   const char* doc) override {
     std::string allowed;
     for (std::size_t i = 0; i < names.size(); ++i) allowed += (i ? " | " : "") + names[i];
     line(key, names.at(static_cast<std::size_t>(index)), doc, allowed);
@@ -257,7 +275,8 @@ class YamlWriter : public FieldVisitor {
 
  private:
   std::string indent() const { return std::string(static_cast<std::size_t>(2 * depth_), ' '); }
-  void line(const char* key, const std::string& value, const char* doc, const std::string& allowed) {
+  void line(const char* key, const std::string& value, const char* doc,
+            const std::string& allowed) {
     if (documented_ && doc && *doc) {
       out_ << indent() << "# " << doc << (allowed.empty() ? "" : " (" + allowed + ")") << "\n";
     }
@@ -271,7 +290,8 @@ class YamlWriter : public FieldVisitor {
   }
   static std::string list(const std::vector<double>& values) {
     std::string s = "[";
-    for (std::size_t i = 0; i < values.size(); ++i) s += (i ? ", " : "") + shortestNumber(values[i]);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      s += (i ? ", " : "") + shortestNumber(values[i]);
     return s + "]";
   }
 
@@ -312,7 +332,8 @@ ConfigLoader::~ConfigLoader() = default;
 void ConfigLoader::addFile(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   if (!in || std::filesystem::is_directory(file)) {
-    throw ConfigError(file.string() + ": cannot be read: no such configuration file, or no permission");
+    throw ConfigError(file.string() +
+                      ": cannot be read: no such configuration file, or no permission");
   }
   std::ostringstream text;
   text << in.rdbuf();
@@ -326,7 +347,8 @@ void ConfigLoader::addText(const std::string& yaml, const std::string& origin) {
   } catch (const YAML::Exception& e) {
     throw ConfigError(origin + ": not valid YAML: " + e.what());
   }
-  if (!root.IsDefined() || root.IsNull()) throw ConfigError(origin + ": is empty; expected a table of keys");
+  if (!root.IsDefined() || root.IsNull())
+    throw ConfigError(origin + ": is empty; expected a table of keys");
   if (!root.IsMap()) throw ConfigError(origin + ": expected a table of keys at the top level");
   impl_->layers.push_back({root, origin});
 }
@@ -334,7 +356,8 @@ void ConfigLoader::addText(const std::string& yaml, const std::string& origin) {
 void ConfigLoader::addOverride(const std::string& key_equals_value) {
   const auto eq = key_equals_value.find('=');
   if (eq == std::string::npos || eq == 0) {
-    throw ConfigError("--set " + key_equals_value + ": expected KEY=VALUE, e.g. odometry.source=rawlog");
+    throw ConfigError("--set " + key_equals_value +
+                      ": expected KEY=VALUE, e.g. odometry.source=rawlog");
   }
   const std::string key = key_equals_value.substr(0, eq);
   try {
@@ -361,7 +384,9 @@ void ConfigLoader::apply(const Visit& visit) const {
     reader.finish();
   }
   if (problems.empty()) return;
-  std::string message = problems.size() == 1 ? "" : std::to_string(problems.size()) + " problems in the configuration:";
+  std::string message = problems.size() == 1
+                            ? ""
+                            : std::to_string(problems.size()) + " problems in the configuration:";
   for (const auto& problem : problems) message += (message.empty() ? "" : "\n  ") + problem;
   throw ConfigError(message);
 }

@@ -11,7 +11,8 @@ namespace {
 
 bool isSymmetric(const MatrixX& m) {
   return m.rows() == m.cols() && m.allFinite() &&
-         (m - m.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * std::max(m.cwiseAbs().maxCoeff(), 1e-300);
+         (m - m.transpose()).cwiseAbs().maxCoeff() <=
+             1e-9 * std::max(m.cwiseAbs().maxCoeff(), 1e-300);
 }
 
 }  // namespace
@@ -41,13 +42,17 @@ Matrix6 isotropicCovariance(double sigma_translation_m, double sigma_rotation_ra
   return d.asDiagonal();
 }
 
-Matrix6 floorCovariance(const Matrix6& cov, double min_sigma_translation_m, double min_sigma_rotation_rad) {
-  // Adding to the diagonal blocks keeps the whole positive definite, which replacing eigenvalues would not.
+Matrix6 floorCovariance(const Matrix6& cov, double min_sigma_translation_m,
+                        double min_sigma_rotation_rad) {
+  // Adding to the diagonal blocks keeps the whole positive definite, which replacing eigenvalues
+  // would not.
   Matrix6 floored = cov;
   const auto raise = [&](int at, double min_sigma) {
     const Eigen::SelfAdjointEigenSolver<Matrix3> es(cov.block<3, 3>(at, at));
-    const Vector3 missing = (Vector3::Constant(min_sigma * min_sigma) - es.eigenvalues()).cwiseMax(0.0);
-    floored.block<3, 3>(at, at) += es.eigenvectors() * missing.asDiagonal() * es.eigenvectors().transpose();
+    const Vector3 missing =
+        (Vector3::Constant(min_sigma * min_sigma) - es.eigenvalues()).cwiseMax(0.0);
+    floored.block<3, 3>(at, at) +=
+        es.eigenvectors() * missing.asDiagonal() * es.eigenvectors().transpose();
   };
   raise(0, min_sigma_translation_m);
   raise(3, min_sigma_rotation_rad);

@@ -9,7 +9,8 @@ namespace dynemo {
 
 namespace fs = std::filesystem;
 
-AppendFile::AppendFile(const fs::path& file) : file_(file), out_(file, std::ios::binary | std::ios::trunc) {
+AppendFile::AppendFile(const fs::path& file)
+    : file_(file), out_(file, std::ios::binary | std::ios::trunc) {
   if (!out_) throw DataError(file.string() + ": cannot be created");
 }
 

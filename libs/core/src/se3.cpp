@@ -41,7 +41,8 @@ Matrix3 rightJacobianSO3(const Vector3& w) {
   const double theta = std::sqrt(theta2);
   const Matrix3 W = skew(w);
   const double a = theta < kSmallAngle ? 0.5 - theta2 / 24.0 : (1.0 - std::cos(theta)) / theta2;
-  const double b = theta < kSmallAngle ? 1.0 / 6.0 - theta2 / 120.0 : (theta - std::sin(theta)) / (theta2 * theta);
+  const double b = theta < kSmallAngle ? 1.0 / 6.0 - theta2 / 120.0
+                                       : (theta - std::sin(theta)) / (theta2 * theta);
   return Matrix3::Identity() - a * W + b * (W * W);
 }
 
@@ -62,9 +63,10 @@ Matrix3 nearestRotation(const Matrix3& M) {
 }
 
 Pose3 Pose3::fromYawPitchRoll(double x, double y, double z, double yaw, double pitch, double roll) {
-  const Matrix3 R = (Eigen::AngleAxisd(yaw, Vector3::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3::UnitY()) *
-                     Eigen::AngleAxisd(roll, Vector3::UnitX()))
-                        .toRotationMatrix();
+  const Matrix3 R =
+      (Eigen::AngleAxisd(yaw, Vector3::UnitZ()) * Eigen::AngleAxisd(pitch, Vector3::UnitY()) *
+       Eigen::AngleAxisd(roll, Vector3::UnitX()))
+          .toRotationMatrix();
   return {R, Vector3(x, y, z)};
 }
 

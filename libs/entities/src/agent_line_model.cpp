@@ -11,11 +11,13 @@
 namespace dynemo {
 namespace {
 
-/// A heading that disagrees with the walked direction by more than this was taken while the agent turned.
+/// A heading that disagrees with the walked direction by more than this was taken while the agent
+/// turned.
 constexpr double kMaxHeadingError_rad = 0.35;
 
 /// Paper, Eq. (13): the relative pose projected onto u, both in the frame of ε_{t−1}.
-CEdgeBase::Ptr projectedEdge(const MotionContext& context, const Vector3& u_prev, const MotionParams& params) {
+CEdgeBase::Ptr projectedEdge(const MotionContext& context, const Vector3& u_prev,
+                             const MotionParams& params) {
   auto edge = std::make_shared<CEdgeIntraEntity>();
   edge->nodes = {context.previous().id, context.current.id};
   edge->motion_model = "agent_line";
@@ -30,9 +32,10 @@ CEdgeBase::Ptr projectedEdge(const MotionContext& context, const Vector3& u_prev
   return edge;
 }
 
-/// The earliest observation from which the agent has kept to its line until now: every later displacement that is
-/// long enough to tell lies along that observation's u.
-const CNodeEntity* lineAnchor(const MotionContext& context, const Vector3& u_entity, double min_length_m) {
+/// The earliest observation from which the agent has kept to its line until now: every later
+/// displacement that is long enough to tell lies along that observation's u.
+const CNodeEntity* lineAnchor(const MotionContext& context, const Vector3& u_entity,
+                              double min_length_m) {
   const auto onLine = [&](const CNodeEntity& anchor, const CNodeEntity& other) {
     const Vector3 d = other.T_map_entity().t - anchor.T_map_entity().t;
     if (d.norm() < min_length_m) return true;
@@ -42,19 +45,21 @@ const CNodeEntity* lineAnchor(const MotionContext& context, const Vector3& u_ent
   for (std::size_t i = 0; i < context.history.size(); ++i) {
     const CNodeEntity& anchor = *context.history[i];
     if (!onLine(anchor, context.current)) continue;
-    const bool all = std::all_of(context.history.begin() + static_cast<std::ptrdiff_t>(i) + 1, context.history.end(),
+    const bool all = std::all_of(context.history.begin() + static_cast<std::ptrdiff_t>(i) + 1,
+                                 context.history.end(),
                                  [&](const CNodeEntity* other) { return onLine(anchor, *other); });
     if (all) return &anchor;
   }
   return nullptr;
 }
 
-CEdgeBase::Ptr anchoredLineEdge(const MotionContext& context, const CNodeEntity& anchor, const Vector3& u_anchor,
-                                const MotionParams& params) {
+CEdgeBase::Ptr anchoredLineEdge(const MotionContext& context, const CNodeEntity& anchor,
+                                const Vector3& u_anchor, const MotionParams& params) {
   auto edge = std::make_shared<CEdgeAgentLine>();
   edge->nodes = {anchor.id, context.current.id};
   edge->direction_entity = u_anchor;
-  edge->setCovariance(params.line_stray_sigma_m * params.line_stray_sigma_m * Eigen::Matrix2d::Identity());
+  edge->setCovariance(params.line_stray_sigma_m * params.line_stray_sigma_m *
+                      Eigen::Matrix2d::Identity());
   edge->kernel = {KernelType::kCauchy, 2.0};
   return edge;
 }
@@ -65,7 +70,8 @@ std::optional<Vector3> fitLineDirection(const MotionContext& context, const Moti
   const auto wanted = static_cast<std::size_t>(params.line_min_observations) - 1;
   if (context.history.size() < wanted) return std::nullopt;
   std::vector<Vector3> positions;
-  for (const CNodeEntity* node : context.history.last(wanted)) positions.push_back(node->T_map_entity().t);
+  for (const CNodeEntity* node : context.history.last(wanted))
+    positions.push_back(node->T_map_entity().t);
   positions.push_back(context.current.T_map_entity().t);
 
   Vector3 mean = Vector3::Zero();
@@ -74,7 +80,8 @@ std::optional<Vector3> fitLineDirection(const MotionContext& context, const Moti
   for (const Vector3& p : positions) scatter += (p - mean) * (p - mean).transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix3> es(scatter);
   const Vector3 u = es.eigenvectors().col(2);
-  const double rms_m = std::sqrt((es.eigenvalues()[0] + es.eigenvalues()[1]) / static_cast<double>(positions.size()));
+  const double rms_m = std::sqrt((es.eigenvalues()[0] + es.eigenvalues()[1]) /
+                                 static_cast<double>(positions.size()));
   double low = 0.0, high = 0.0;
   for (const Vector3& p : positions) {
     low = std::min(low, u.dot(p - mean));
@@ -105,7 +112,8 @@ MotionConstraint AgentLineModel::constrain(const MotionContext& context) const {
     u_prev = context.previous().T_map_entity().R.transpose() * *u_map;
   }
   if (!u_prev || params_.form == MotionForm::kConsistent) {
-    // A fitted line restates the positions it was fitted to: in the consistent form the velocity carries them.
+    // A fitted line restates the positions it was fitted to: in the consistent form the velocity
+    // carries them.
     return without_line_.constrain(context);
   }
   constraint.edges.push_back(projectedEdge(context, *u_prev, params_));

@@ -20,12 +20,15 @@ CEdgeBase::Ptr velocityEdge(const MotionContext& context, const MotionParams& pa
   const CNodeEntity& second = context.previous();
   const double dt_12_s = secondsBetween(first.stamp, second.stamp);
   const double dt_23_s = secondsBetween(second.stamp, context.current.stamp);
-  if (std::min(dt_12_s, dt_23_s) < kMinVelocityGap_s || std::max(dt_12_s, dt_23_s) > kMaxVelocityGap_s) return nullptr;
+  if (std::min(dt_12_s, dt_23_s) < kMinVelocityGap_s ||
+      std::max(dt_12_s, dt_23_s) > kMaxVelocityGap_s)
+    return nullptr;
   auto edge = std::make_shared<CEdgeAgentVelocity>();
   edge->nodes = {first.id, second.id, context.current.id};
   edge->dt_12_s = dt_12_s;
   edge->dt_23_s = dt_23_s;
-  const double sigma2 = params.velocity_sigma_mps * params.velocity_sigma_mps * 0.5 * (dt_12_s + dt_23_s);
+  const double sigma2 =
+      params.velocity_sigma_mps * params.velocity_sigma_mps * 0.5 * (dt_12_s + dt_23_s);
   edge->setCovariance(sigma2 * Matrix3::Identity());
   edge->kernel = {KernelType::kCauchy, 2.0};
   return edge;

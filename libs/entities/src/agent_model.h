@@ -4,8 +4,8 @@
 
 namespace dynemo {
 
-/// Agents without a known path (paper, Eq. (12)): P frozen at creation (paper form), or a slowly changing velocity
-/// over the last three observations (consistent form).
+/// Agents without a known path (paper, Eq. (12)): P frozen at creation (paper form), or a slowly
+/// changing velocity over the last three observations (consistent form).
 class AgentModel : public MotionModel {
  public:
   explicit AgentModel(const MotionParams& params) : params_(params) {}

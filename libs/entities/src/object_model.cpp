@@ -5,7 +5,8 @@
 
 namespace dynemo {
 
-CEdgeBase::Ptr frozenRelativePose(const MotionContext& context, const MotionParams& params, const char* model_name) {
+CEdgeBase::Ptr frozenRelativePose(const MotionContext& context, const MotionParams& params,
+                                  const char* model_name) {
   auto edge = std::make_shared<CEdgeIntraEntity>();
   edge->nodes = {context.previous().id, context.current.id};
   edge->motion_model = model_name;

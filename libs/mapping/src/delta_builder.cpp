@@ -10,7 +10,8 @@
 namespace dynemo {
 
 void fields(FieldVisitor& v, MappingParams& p) {
-  v.flag("keyframe_entity", p.keyframe_entity, "Keyframe-entity constraints; without them no entity is mapped");
+  v.flag("keyframe_entity", p.keyframe_entity,
+         "Keyframe-entity constraints; without them no entity is mapped");
   v.flag("intra_entity", p.intra_entity, "Constraints between observations of one entity");
   v.flag("floor_entity", p.floor_entity, "Constant height of entities over the floor");
   v.section("motion", p.motion, "Motion models by semantic class");
@@ -19,10 +20,14 @@ void fields(FieldVisitor& v, MappingParams& p) {
   v.optionalNumber("odometry_kernel_width", p.odometry_kernel_width,
                    "Huber width of odometry edges in standard deviations", Range::positive());
   v.optionalNumber("detection_kernel_width", p.detection_kernel_width,
-                   "Cauchy width of keyframe-entity edges in standard deviations", Range::positive());
-  v.number("floor_prior_sigma_m", p.floor_prior_sigma_m, "Gauge of the floor's level", Range::positive());
-  v.number("floor_entity_sigma_m", p.floor_entity_sigma_m, "Constant height of an entity", Range::positive());
-  v.number("height_tolerance_m", p.height_tolerance_m, "Height change of an entity that is real", Range::positive());
+                   "Cauchy width of keyframe-entity edges in standard deviations",
+                   Range::positive());
+  v.number("floor_prior_sigma_m", p.floor_prior_sigma_m, "Gauge of the floor's level",
+           Range::positive());
+  v.number("floor_entity_sigma_m", p.floor_entity_sigma_m, "Constant height of an entity",
+           Range::positive());
+  v.number("height_tolerance_m", p.height_tolerance_m, "Height change of an entity that is real",
+           Range::positive());
 }
 
 Matrix6 relativePoseCovariance(const Pose3& T_1, const Pose3& T_2, const MatrixX& joint) {
@@ -45,7 +50,9 @@ class DeltaBuilder::Assembly {
     addFloor();
     for (std::size_t i = 0; i < data_.observations.size();) {
       std::size_t end = i + 1;
-      while (end < data_.observations.size() && data_.observations[end].entity == data_.observations[i].entity) ++end;
+      while (end < data_.observations.size() &&
+             data_.observations[end].entity == data_.observations[i].entity)
+        ++end;
       addEntity(i, end);
       i = end;
     }
@@ -87,7 +94,8 @@ class DeltaBuilder::Assembly {
     edge->nodes = {last.id, keyframe_->id};
     edge->T_1_2 = last.T_odom_base.inverse() * data_.T_odom_base;
     edge->setCovariance(data_.odometry_covariance);
-    if (params_.odometry_kernel_width) edge->kernel = {KernelType::kHuber, *params_.odometry_kernel_width};
+    if (params_.odometry_kernel_width)
+      edge->kernel = {KernelType::kHuber, *params_.odometry_kernel_width};
     addEdge(edge);
   }
 
@@ -102,7 +110,8 @@ class DeltaBuilder::Assembly {
       auto prior = std::make_shared<CEdgeFloorPrior>();
       prior->nodes = {floor->id};
       prior->level_m = *level_m;
-      prior->setCovariance(MatrixX::Constant(1, 1, params_.floor_prior_sigma_m * params_.floor_prior_sigma_m));
+      prior->setCovariance(
+          MatrixX::Constant(1, 1, params_.floor_prior_sigma_m * params_.floor_prior_sigma_m));
       addEdge(prior);
       floor_ = floor;
     }
@@ -124,8 +133,11 @@ class DeltaBuilder::Assembly {
   void addEntity(std::size_t begin, std::size_t end) {
     const auto& all = data_.observations;
     const auto best = static_cast<std::size_t>(
-        std::min_element(all.begin() + static_cast<std::ptrdiff_t>(begin), all.begin() + static_cast<std::ptrdiff_t>(end),
-                         [](const auto& a, const auto& b) { return a.covariance.trace() < b.covariance.trace(); }) -
+        std::min_element(all.begin() + static_cast<std::ptrdiff_t>(begin),
+                         all.begin() + static_cast<std::ptrdiff_t>(end),
+                         [](const auto& a, const auto& b) {
+                           return a.covariance.trace() < b.covariance.trace();
+                         }) -
         all.begin());
     auto node = newNode<CNodeEntity>();
     node->entity = all[best].entity;
@@ -146,7 +158,8 @@ class DeltaBuilder::Assembly {
     edge->nodes = {keyframe_->id, node.id};
     edge->T_1_2 = observation.T_base_entity;
     edge->setCovariance(observation.covariance);
-    if (params_.detection_kernel_width) edge->kernel = {KernelType::kCauchy, *params_.detection_kernel_width};
+    if (params_.detection_kernel_width)
+      edge->kernel = {KernelType::kCauchy, *params_.detection_kernel_width};
     addEdge(edge);
   }
 
@@ -178,17 +191,21 @@ class DeltaBuilder::Assembly {
     auto edge = std::make_shared<CEdgeFloorEntity>();
     edge->nodes = {floor_->id, node.id};
     edge->offset_m = heightOffset(node, seen_offset_m);
-    edge->setCovariance(MatrixX::Constant(1, 1, params_.floor_entity_sigma_m * params_.floor_entity_sigma_m));
+    edge->setCovariance(
+        MatrixX::Constant(1, 1, params_.floor_entity_sigma_m * params_.floor_entity_sigma_m));
     edge->kernel = {KernelType::kHuber, 2.0};
     addEdge(edge);
   }
 
-  /// z̃: from the entity file when the entity stands on the floor, else from its first observation, and anew after a
-  /// confirmed change of height.
+  /// z̃: from the entity file when the entity stands on the floor, else from its first observation,
+  /// and anew after a confirmed change of height.
   double heightOffset(const CNodeEntity& node, double seen_offset_m) const {
-    const auto near = [&](double offset_m) { return std::abs(offset_m - seen_offset_m) <= params_.height_tolerance_m; };
+    const auto near = [&](double offset_m) {
+      return std::abs(offset_m - seen_offset_m) <= params_.height_tolerance_m;
+    };
     const EntityModel* model = builder_.models_.findEntity(node.entity);
-    if (model && model->origin_height_m && near(-*model->origin_height_m)) return -*model->origin_height_m;
+    if (model && model->origin_height_m && near(-*model->origin_height_m))
+      return -*model->origin_height_m;
     const auto track = graph_.tracks().find(node.entity);
     if (track == graph_.tracks().end()) return seen_offset_m;
     for (auto it = track->second.rbegin(); it != track->second.rend(); ++it) {
@@ -215,11 +232,14 @@ class DeltaBuilder::Assembly {
   std::shared_ptr<const CNodeFloor> floor_;
 };
 
-DeltaBuilder::DeltaBuilder(const MappingParams& params, const EntityModels& models) : params_(params), models_(models) {
-  for (const std::string name : {"object", "agent_line"}) motion_models_[name] = motionModels().make(name, params.motion);
+DeltaBuilder::DeltaBuilder(const MappingParams& params, const EntityModels& models)
+    : params_(params), models_(models) {
+  for (const std::string name : {"object", "agent_line"})
+    motion_models_[name] = motionModels().make(name, params.motion);
   for (const EntityModel& model : models.all()) {
     const std::string name = motionModelName(model.semantic_class, &model);
-    if (!motion_models_.contains(name)) motion_models_[name] = motionModels().make(name, params.motion);
+    if (!motion_models_.contains(name))
+      motion_models_[name] = motionModels().make(name, params.motion);
   }
 }
 

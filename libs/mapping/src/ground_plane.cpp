@@ -28,11 +28,14 @@ struct Plane {
   Vector3 normal = Vector3::UnitZ();
   double offset = 0.0;  ///< normal · p = offset
   double heightAtOrigin() const { return offset / normal.z(); }
-  bool contains(const Vector3& p) const { return std::abs(normal.dot(p) - offset) < kInlierDistance_m; }
+  bool contains(const Vector3& p) const {
+    return std::abs(normal.dot(p) - offset) < kInlierDistance_m;
+  }
 };
 
 std::size_t countInliers(const std::vector<Vector3>& points, const Plane& plane) {
-  return static_cast<std::size_t>(std::count_if(points.begin(), points.end(), [&](const Vector3& p) { return plane.contains(p); }));
+  return static_cast<std::size_t>(std::count_if(
+      points.begin(), points.end(), [&](const Vector3& p) { return plane.contains(p); }));
 }
 
 Plane refined(const std::vector<Vector3>& points, const Plane& plane) {

@@ -16,8 +16,8 @@ struct Candidate {
   Matrix6 information;
 };
 
-std::vector<Candidate> candidates(const std::vector<EntityObservation>& observations, const CSceneGraph& graph,
-                                  SemanticClass semantic_class) {
+std::vector<Candidate> candidates(const std::vector<EntityObservation>& observations,
+                                  const CSceneGraph& graph, SemanticClass semantic_class) {
   std::vector<Candidate> list;
   for (const EntityObservation& observation : observations) {
     const CNodeEntity* mapped = graph.lastObservation(observation.entity);
@@ -26,14 +26,16 @@ std::vector<Candidate> candidates(const std::vector<EntityObservation>& observat
     const Pose3 T_entity_base = observation.T_base_entity.inverse();
     const Matrix6 A = composeJacobianLeft(T_entity_base);
     const auto information = invertSpd(A * observation.covariance * A.transpose());
-    if (information) list.push_back({mapped->T_map_entity() * T_entity_base, Matrix6(*information)});
+    if (information)
+      list.push_back({mapped->T_map_entity() * T_entity_base, Matrix6(*information)});
   }
   return list;
 }
 
 }  // namespace
 
-std::optional<Pose3> localizeFromEntities(const std::vector<EntityObservation>& observations, const CSceneGraph& graph) {
+std::optional<Pose3> localizeFromEntities(const std::vector<EntityObservation>& observations,
+                                          const CSceneGraph& graph) {
   std::vector<Candidate> list = candidates(observations, graph, SemanticClass::kObject);
   if (list.empty()) list = candidates(observations, graph, SemanticClass::kAgent);
   if (list.empty()) return std::nullopt;

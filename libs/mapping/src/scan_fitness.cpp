@@ -9,7 +9,9 @@ namespace {
 struct BasePoints {
   std::vector<Eigen::Vector3f> points;
   std::size_t kdtree_get_point_count() const { return points.size(); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<Eigen::Index>(axis)]; }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const {
+    return points[i][static_cast<Eigen::Index>(axis)];
+  }
   template <class Box>
   bool kdtree_get_bbox(Box&) const {
     return false;
@@ -30,7 +32,8 @@ BasePoints inBase(const Scan& scan, const Pose3& T_target_base) {
 
 double scanFitness(const Scan& a, const Scan& b, const Pose3& T_a_b) {
   if (a.cloud.empty() || b.cloud.empty()) return std::numeric_limits<double>::infinity();
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, BasePoints>, BasePoints, 3>;
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, BasePoints>,
+                                                   BasePoints, 3>;
   const BasePoints target = inBase(a, Pose3()), source = inBase(b, T_a_b);
   const Tree tree(3, target, {10});
   double sum_m2 = 0.0;

@@ -9,10 +9,13 @@ void fields(FieldVisitor& v, RobotOdometryParams& p) {
   v.section("lidar", p.lidar, "Odometry estimated from the scans");
 }
 
-void fields(FieldVisitor& v, LoopParams& p) { v.flag("enabled", p.enabled, "Close loops between keyframes"); }
+void fields(FieldVisitor& v, LoopParams& p) {
+  v.flag("enabled", p.enabled, "Close loops between keyframes");
+}
 
 void fields(FieldVisitor& v, DynemoParams& p) {
-  v.section("sensors", p.sensors, "Which observations of the rawlog are used, and how they are synchronised");
+  v.section("sensors", p.sensors,
+            "Which observations of the rawlog are used, and how they are synchronised");
   v.section("odometry", p.odometry, "Where the robot's relative motion comes from");
   v.section("perception", p.perception, "Detection of entities and of their points");
   v.section("keyframes", p.keyframes, "When a frame becomes a keyframe");
@@ -20,8 +23,8 @@ void fields(FieldVisitor& v, DynemoParams& p) {
   v.section("loops", p.loops, "Loop closure");
   v.section("solver", p.solver, "Optimisation of the graph");
   v.texts("outputs", p.outputs, "Files written to the output folder");
-  v.number("checkpoint_s", p.checkpoint_s, "Results so far are written every so many seconds of the dataset",
-           Range::positive());
+  v.number("checkpoint_s", p.checkpoint_s,
+           "Results so far are written every so many seconds of the dataset", Range::positive());
 }
 
 }  // namespace dynemo

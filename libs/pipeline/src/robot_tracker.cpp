@@ -6,11 +6,13 @@
 
 namespace dynemo {
 
-RobotTracker::RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry) : params_(params) {
+RobotTracker::RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry)
+    : params_(params) {
   if (params.source == OdometrySource::kRawlog && !rawlog_odometry) {
     throw ConfigError("odometry.source: rawlog: the rawlog carries no odometry; use auto or lidar");
   }
-  if (params.source == OdometrySource::kLidar || (params.source == OdometrySource::kAuto && !rawlog_odometry)) {
+  if (params.source == OdometrySource::kLidar ||
+      (params.source == OdometrySource::kAuto && !rawlog_odometry)) {
     scan_odometry_ = scanOdometries().make(params.lidar.method, params.lidar);
   }
 }
@@ -42,14 +44,16 @@ void RobotTracker::estimateFromScan(SensorFrame& frame) {
     return OdometryState{T_odom_base * T_base_then, std::nullopt};
   };
   for (CameraImage& image : frame.images) image.odometry = carriedTo(image.stamp);
-  for (ExternalDetection& detection : frame.detections) detection.odometry = carriedTo(detection.stamp);
+  for (ExternalDetection& detection : frame.detections)
+    detection.odometry = carriedTo(detection.stamp);
   if (scan_covariance_) {
     const Matrix6 A = composeJacobianLeft(estimate->T_prev_base);
     scan_covariance_ = A * *scan_covariance_ * A.transpose() + estimate->covariance;
   }
 }
 
-Pose3 RobotTracker::locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations,
+Pose3 RobotTracker::locate(const SensorFrame& frame,
+                           const std::vector<EntityObservation>& observations,
                            const CSceneGraph& graph) {
   Pose3 T_odom_base = last_T_odom_base_.value_or(Pose3());
   if (frame.odometry) {
@@ -69,16 +73,19 @@ Pose3 RobotTracker::locate(const SensorFrame& frame, const std::vector<EntityObs
   return T_odom_base;
 }
 
-Matrix6 RobotTracker::covarianceSinceKeyframe(const SensorFrame& frame, const CSceneGraph& graph) const {
+Matrix6 RobotTracker::covarianceSinceKeyframe(const SensorFrame& frame,
+                                              const CSceneGraph& graph) const {
   const OdometryNoiseParams& noise = params_.noise;
-  if (noise.source == OdometryNoiseSource::kFitness && frame.scan && frame.odometry && !graph.keyframes().empty()) {
+  if (noise.source == OdometryNoiseSource::kFitness && frame.scan && frame.odometry &&
+      !graph.keyframes().empty()) {
     const CNodeKeyframe& last = *graph.keyframes().back();
     if (last.scan) {
       const Pose3 T_last_base = last.T_odom_base.inverse() * frame.odometry->T_odom_base;
       return fitnessCovariance(scanFitness(*last.scan, *frame.scan, T_last_base), noise);
     }
   }
-  if (noise.source == OdometryNoiseSource::kRecorded && scan_odometry_ && scan_covariance_ && frame.odometry) {
+  if (noise.source == OdometryNoiseSource::kRecorded && scan_odometry_ && scan_covariance_ &&
+      frame.odometry) {
     return floorCovariance(*scan_covariance_, noise.lidar_min_sigma_m, noise.lidar_min_sigma_rad);
   }
   return relativeOdometryCovariance(keyframe_odometry_, frame.odometry, path_m_, path_rad_, noise);

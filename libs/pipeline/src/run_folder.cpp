@@ -35,7 +35,8 @@ fs::path createFolder(const fs::path& folder) {
 
 Json poseJson(const Pose3& T) {
   const auto q = T.quaternion();
-  return {{"position_m", {T.t.x(), T.t.y(), T.t.z()}}, {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
+  return {{"position_m", {T.t.x(), T.t.y(), T.t.z()}},
+          {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
 }
 
 Json keyframesJson(const CSceneGraph& graph) {
@@ -47,7 +48,8 @@ Json keyframesJson(const CSceneGraph& graph) {
 Json entitiesJson(const CSceneGraph& graph) {
   Json list = Json::array();
   for (const auto& [id, track] : graph.tracks()) {
-    const auto moves = std::count_if(track.begin(), track.end(), [](const auto& node) { return node->moved; });
+    const auto moves =
+        std::count_if(track.begin(), track.end(), [](const auto& node) { return node->moved; });
     list.push_back({{"id", id.value},
                     {"name", track.front()->name},
                     {"class", semanticClassName(track.front()->semantic_class)},
@@ -81,14 +83,16 @@ RunFolder::RunFolder(const fs::path& folder, const DynemoParams& params)
       timing_(folder / "timing.csv"),
       optimizations_(folder / "optimizations.csv") {
   for (const std::string& name : outputs_) {
-    if (name != "session" && !exporters().contains(name)) exporters().make(name);  // throws, naming the known ones
+    if (name != "session" && !exporters().contains(name))
+      exporters().make(name);  // throws, naming the known ones
   }
   writeFileAtomically(folder_ / "config.yaml", config_yaml_);
   std::string header = "frame,timestamp";
   for (const char* stage : kStageNames) header += std::string(",") + stage + "_ms";
   timing_.line(header + ",total_ms");
   optimizations_.line(
-      "frame,timestamp,nodes,edges,iterations,factorizations,cost_before,cost_after,stop,ordering_ms,symbolic_ms,"
+      "frame,timestamp,nodes,edges,iterations,factorizations,cost_before,cost_after,stop,ordering_"
+      "ms,symbolic_ms,"
       "linearize_ms,numeric_ms,solve_ms,ms");
 }
 
@@ -103,11 +107,12 @@ void RunFolder::optimizations(const std::vector<OptimizationRecord>& all) {
   for (; optimizations_written_ < all.size(); ++optimizations_written_) {
     const auto& [frame, stamp, r] = all[optimizations_written_];
     optimization_ms_ += r.total_ms;
-    std::string line = std::to_string(frame) + "," + stamp.text() + "," + std::to_string(r.nodes) + "," +
-                       std::to_string(r.edges) + "," + std::to_string(r.iterations) + "," +
+    std::string line = std::to_string(frame) + "," + stamp.text() + "," + std::to_string(r.nodes) +
+                       "," + std::to_string(r.edges) + "," + std::to_string(r.iterations) + "," +
                        std::to_string(r.factorizations) + "," + exactNumber(r.cost_before) + "," +
                        exactNumber(r.cost_after) + "," + stopReasonName(r.stop);
-    for (const double ms : {r.ordering_ms, r.symbolic_ms, r.linearize_ms, r.numeric_ms, r.solve_ms, r.total_ms}) {
+    for (const double ms :
+         {r.ordering_ms, r.symbolic_ms, r.linearize_ms, r.numeric_ms, r.solve_ms, r.total_ms}) {
       line += "," + milliseconds(ms);
     }
     optimizations_.line(line);
@@ -116,7 +121,8 @@ void RunFolder::optimizations(const std::vector<OptimizationRecord>& all) {
 
 namespace {
 
-Json summaryJson(const SlamPipeline& pipeline, const IngestReport& ingest, const RunIdentity& identity) {
+Json summaryJson(const SlamPipeline& pipeline, const IngestReport& ingest,
+                 const RunIdentity& identity) {
   const CSceneGraph& graph = pipeline.graph();
   Json summary = {{"program", "dynemo-slam"},
                   {"version", identity.version},
@@ -133,7 +139,8 @@ Json summaryJson(const SlamPipeline& pipeline, const IngestReport& ingest, const
     const Vector6 sigmas = cov->diagonal().cwiseSqrt();
     summary["T_map_odom"]["sigma"] = std::vector<double>(sigmas.data(), sigmas.data() + 6);
   }
-  for (const auto& floor : graph.floors()) summary["floors"].push_back({{"level_m", floor->level_m}});
+  for (const auto& floor : graph.floors())
+    summary["floors"].push_back({{"level_m", floor->level_m}});
   auto warnings = ingest.warnings;
   for (const auto& [text, count] : pipeline.warnings()) warnings[text] += count;
   summary["warnings"] = warnings;
@@ -142,21 +149,24 @@ Json summaryJson(const SlamPipeline& pipeline, const IngestReport& ingest, const
 
 }  // namespace
 
-void RunFolder::results(const SlamPipeline& pipeline, const IngestReport& ingest, const RunIdentity& identity) {
+void RunFolder::results(const SlamPipeline& pipeline, const IngestReport& ingest,
+                        const RunIdentity& identity) {
   write(outputs_, pipeline, ingest, identity);
 }
 
-void RunFolder::checkpoint(SlamPipeline& pipeline, const IngestReport& ingest, const RunIdentity& identity) {
+void RunFolder::checkpoint(SlamPipeline& pipeline, const IngestReport& ingest,
+                           const RunIdentity& identity) {
   pipeline.updateTrajectory();
   std::vector<std::string> light;
   for (const std::string& name : outputs_) {
-    if (name == "trajectory" || name == "keyframes" || name == "odometry" || name == "entities") light.push_back(name);
+    if (name == "trajectory" || name == "keyframes" || name == "odometry" || name == "entities")
+      light.push_back(name);
   }
   write(light, pipeline, ingest, identity);
 }
 
-void RunFolder::write(const std::vector<std::string>& outputs, const SlamPipeline& pipeline, const IngestReport& ingest,
-                      const RunIdentity& identity) {
+void RunFolder::write(const std::vector<std::string>& outputs, const SlamPipeline& pipeline,
+                      const IngestReport& ingest, const RunIdentity& identity) {
   std::string failures;
   const auto attempt = [&](const std::function<void()>& action) {
     try {
@@ -167,13 +177,15 @@ void RunFolder::write(const std::vector<std::string>& outputs, const SlamPipelin
   };
   for (const std::string& name : outputs) {
     attempt([&] {
-      if (name == "session") return saveSession({pipeline.graph(), config_yaml_}, folder_ / "session");
+      if (name == "session")
+        return saveSession({pipeline.graph(), config_yaml_}, folder_ / "session");
       const auto exporter = exporters().make(name);
       exporter->write(pipeline.result(), folder_ / exporter->fileName());
     });
   }
   attempt([&] {
-    writeFileAtomically(folder_ / "summary.json", summaryJson(pipeline, ingest, identity).dump(2) + "\n");
+    writeFileAtomically(folder_ / "summary.json",
+                        summaryJson(pipeline, ingest, identity).dump(2) + "\n");
   });
   if (!failures.empty()) throw DataError(failures);
 }
@@ -187,9 +199,11 @@ void RunFolder::performance(const RunCost& cost) {
     std::sort(ms.begin(), ms.end());
     double sum = 0;
     for (const double t : ms) sum += t;
-    stages[kStageNames[s]] = {{"mean_ms", sum / static_cast<double>(ms.size())},
-                              {"p95_ms", ms[(ms.size() * 95) / 100 == ms.size() ? ms.size() - 1 : (ms.size() * 95) / 100]},
-                              {"max_ms", ms.back()}};
+    stages[kStageNames[s]] = {
+        {"mean_ms", sum / static_cast<double>(ms.size())},
+        {"p95_ms",
+         ms[(ms.size() * 95) / 100 == ms.size() ? ms.size() - 1 : (ms.size() * 95) / 100]},
+        {"max_ms", ms.back()}};
   }
   const Json json = {{"frames", timings_.size()},
                      {"dataset_s", cost.dataset_s},

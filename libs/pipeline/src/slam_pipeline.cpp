@@ -7,14 +7,16 @@
 
 namespace dynemo {
 
-SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& models, bool rawlog_odometry)
+SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& models,
+                           bool rawlog_odometry)
     : mrpt::system::COutputLogger("dynemo"),
       params_(params),
       tracker_(params.odometry, rawlog_odometry),
       policy_(params.keyframes),
       builder_(params.mapping, models),
       optimizer_(params.solver) {
-  if (params.loops.enabled) throw ConfigError("loops.enabled: true: this version closes no loops yet");
+  if (params.loops.enabled)
+    throw ConfigError("loops.enabled: true: this version closes no loops yet");
   for (const std::string& name : params.perception.detectors) {
     detectors_.push_back(entityDetectors().make(name, params.perception, models));
   }
@@ -23,7 +25,8 @@ SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& model
 SlamPipeline::~SlamPipeline() = default;
 
 void SlamPipeline::process(SensorFrame frame, FrameTiming& timing) {
-  // Front-end: the robot's motion, the entities in view, and whether the situation changed (Sec. III).
+  // Front-end: the robot's motion, the entities in view, and whether the situation changed (Sec.
+  // III).
   estimateMotion(frame, timing);
   auto observations = detect(frame, timing);
   const RobotState robot = locate(frame, observations, timing);
@@ -47,27 +50,33 @@ std::vector<EntityObservation> SlamPipeline::detect(const SensorFrame& frame, Fr
   std::vector<EntityObservation> all;
   for (const auto& detector : detectors_) {
     auto found = detector->detect(frame);
-    all.insert(all.end(), std::make_move_iterator(found.begin()), std::make_move_iterator(found.end()));
+    all.insert(all.end(), std::make_move_iterator(found.begin()),
+               std::make_move_iterator(found.end()));
   }
-  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.entity < b.entity; });
+  std::stable_sort(all.begin(), all.end(),
+                   [](const auto& a, const auto& b) { return a.entity < b.entity; });
   return all;
 }
 
 SlamPipeline::RobotState SlamPipeline::locate(const SensorFrame& frame,
-                                              const std::vector<EntityObservation>& observations, FrameTiming& timing) {
+                                              const std::vector<EntityObservation>& observations,
+                                              FrameTiming& timing) {
   const ScopedStage stage(timing, Stage::kOdometry);
   const Pose3 T_odom_base = tracker_.locate(frame, observations, graph_);
   return {T_odom_base, graph_.T_map_odom * T_odom_base};
 }
 
 std::uint32_t SlamPipeline::decide(const SensorFrame& frame, const RobotState& robot,
-                                   const std::vector<EntityObservation>& observations, FrameTiming& timing) {
+                                   const std::vector<EntityObservation>& observations,
+                                   FrameTiming& timing) {
   const ScopedStage stage(timing, Stage::kKeyframe);
   return policy_.decide({frame.stamp, robot.T_odom_base, robot.T_map_base, observations}, graph_);
 }
 
-KeyframeData SlamPipeline::select(const SensorFrame& frame, const RobotState& robot, std::uint32_t reasons,
-                                  std::vector<EntityObservation> observations, FrameTiming& timing) {
+KeyframeData SlamPipeline::select(const SensorFrame& frame, const RobotState& robot,
+                                  std::uint32_t reasons,
+                                  std::vector<EntityObservation> observations,
+                                  FrameTiming& timing) {
   KeyframeData keyframe;
   keyframe.stamp = frame.stamp;
   keyframe.frame_index = frame.index;
@@ -85,21 +94,23 @@ KeyframeData SlamPipeline::select(const SensorFrame& frame, const RobotState& ro
   }
   if (params_.mapping.keyframe_entity) {
     const ScopedStage stage(timing, Stage::kMapping);
-    keyframe.relative_covariance = relativeCovariances(observations, robot, keyframe.odometry_covariance);
+    keyframe.relative_covariance =
+        relativeCovariances(observations, robot, keyframe.odometry_covariance);
     keyframe.observations = std::move(observations);
   }
   return keyframe;
 }
 
-std::optional<double> SlamPipeline::groundLevel(const SensorFrame& frame, const RobotState& robot) const {
+std::optional<double> SlamPipeline::groundLevel(const SensorFrame& frame,
+                                                const RobotState& robot) const {
   const auto ground = findGround(*frame.scan, robot.T_map_base.R);
   if (!ground) return std::nullopt;
   return robot.T_map_base.t.z() + ground->height_m;
 }
 
-std::map<EntityId, Matrix6> SlamPipeline::relativeCovariances(const std::vector<EntityObservation>& observations,
-                                                              const RobotState& robot,
-                                                              const Matrix6& odometry_covariance) {
+std::map<EntityId, Matrix6> SlamPipeline::relativeCovariances(
+    const std::vector<EntityObservation>& observations, const RobotState& robot,
+    const Matrix6& odometry_covariance) {
   std::map<EntityId, Matrix6> covariances;
   std::vector<const CNodeEntity*> mapped;
   for (const EntityObservation& observation : observations) {
@@ -120,8 +131,10 @@ std::map<EntityId, Matrix6> SlamPipeline::relativeCovariances(const std::vector<
   for (std::size_t i = 0; i < mapped.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(6 * (i + 1));
     MatrixX pair(12, 12);
-    pair << joint->block<6, 6>(at, at), joint->block<6, 6>(at, 0), joint->block<6, 6>(0, at), joint->block<6, 6>(0, 0);
-    const Matrix6 to_keyframe = relativePoseCovariance(mapped[i]->T_map_entity(), keyframe.T_map_base(), pair);
+    pair << joint->block<6, 6>(at, at), joint->block<6, 6>(at, 0), joint->block<6, 6>(0, at),
+        joint->block<6, 6>(0, 0);
+    const Matrix6 to_keyframe =
+        relativePoseCovariance(mapped[i]->T_map_entity(), keyframe.T_map_base(), pair);
     covariances[mapped[i]->entity] = A * to_keyframe * A.transpose() + odometry_covariance;
   }
   return covariances;
@@ -131,7 +144,8 @@ void SlamPipeline::map(const KeyframeData& keyframe, FrameTiming& timing) {
   const ScopedStage stage(timing, Stage::kMapping);
   graph_.apply(builder_.build(graph_, keyframe));
   logFmt(mrpt::system::LVL_DEBUG, "keyframe %zu at %s: %s, %zu entities", graph_.keyframes().size(),
-         keyframe.stamp.text().c_str(), keyframeReasonText(keyframe.reasons).c_str(), keyframe.observations.size());
+         keyframe.stamp.text().c_str(), keyframeReasonText(keyframe.reasons).c_str(),
+         keyframe.observations.size());
 }
 
 void SlamPipeline::optimize(const SensorFrame& frame, FrameTiming& timing) {
@@ -143,7 +157,8 @@ void SlamPipeline::runOptimizer(std::uint64_t frame_index, Stamp stamp) {
   OptimizationReport report = optimizer_.optimize(graph_);
   if (!report.usable()) {
     ++warnings_["optimisation failed: " + report.message];
-    logFmt(mrpt::system::LVL_WARN, "optimisation failed at %s: %s", stamp.text().c_str(), report.message.c_str());
+    logFmt(mrpt::system::LVL_WARN, "optimisation failed at %s: %s", stamp.text().c_str(),
+           report.message.c_str());
   }
   optimizations_.push_back({frame_index, stamp, std::move(report)});
   const CNodeKeyframe& newest = *graph_.keyframes().back();
@@ -163,8 +178,8 @@ void SlamPipeline::finish() {
 }
 
 void SlamPipeline::updateTrajectory() {
-  // Odometry carries a frame forward from the keyframe before it and backward from the one after; the optimised
-  // corrections at both ends are blended in between.
+  // Odometry carries a frame forward from the keyframe before it and backward from the one after;
+  // the optimised corrections at both ends are blended in between.
   const auto& keyframes = graph_.keyframes();
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     FramePose& frame = frames_[i];
@@ -172,9 +187,12 @@ void SlamPipeline::updateTrajectory() {
     frame.T_map_base = before.T_map_base() * (before.T_odom_base.inverse() * frame.T_odom_base);
     if (keyframe_of_frame_[i] + 1 >= keyframes.size()) continue;
     const CNodeKeyframe& after = *keyframes[keyframe_of_frame_[i] + 1];
-    const Pose3 T_from_after = after.T_map_base() * (after.T_odom_base.inverse() * frame.T_odom_base);
+    const Pose3 T_from_after =
+        after.T_map_base() * (after.T_odom_base.inverse() * frame.T_odom_base);
     const double span_s = secondsBetween(before.stamp, after.stamp);
-    const double s = span_s > 0.0 ? std::clamp(secondsBetween(before.stamp, frame.stamp) / span_s, 0.0, 1.0) : 0.0;
+    const double s = span_s > 0.0
+                         ? std::clamp(secondsBetween(before.stamp, frame.stamp) / span_s, 0.0, 1.0)
+                         : 0.0;
     frame.T_map_base = interpolate(frame.T_map_base, T_from_after, s);
   }
 }
@@ -192,7 +210,8 @@ void SlamPipeline::updateCovariances() {
     return;
   }
   for (std::size_t i = 1; i < nodes.size(); ++i) entity_covariances_[nodes[i]] = (*blocks)[i];
-  // T_map_odom = T_map_base · T_base_odom: the keyframe's uncertainty seen from the odometry's origin.
+  // T_map_odom = T_map_base · T_base_odom: the keyframe's uncertainty seen from the odometry's
+  // origin.
   const Matrix6 A = composeJacobianLeft(graph_.keyframes().back()->T_odom_base.inverse());
   drift_covariance_ = A * (*blocks)[0] * A.transpose();
 }

@@ -64,7 +64,8 @@ void KeyframeDecision(benchmark::State& state) {
   const auto seen = observations();
   KeyframePolicy policy{KeyframeParams()};
   const Pose3 T = graph.keyframes().back()->T_odom_base;
-  for (auto _ : state) benchmark::DoNotOptimize(policy.decide({Stamp::fromSeconds(60), T, T, seen}, graph));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(policy.decide({Stamp::fromSeconds(60), T, T, seen}, graph));
 }
 BENCHMARK(KeyframeDecision);
 
@@ -87,7 +88,8 @@ BENCHMARK(FindGround)->Arg(16384)->Arg(65536)->Unit(benchmark::kMillisecond);
 
 void ScanFitness(benchmark::State& state) {
   const Scan scan = room(static_cast<int>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(scanFitness(scan, scan, Pose3::translation(0.05, 0, 0)));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(scanFitness(scan, scan, Pose3::translation(0.05, 0, 0)));
 }
 BENCHMARK(ScanFitness)->Arg(16384)->Unit(benchmark::kMillisecond);
 

@@ -1,4 +1,5 @@
-// The whole system on the bundled sample, by source of odometry; time per frame and stage as counters.
+// The whole system on the bundled sample, by source of odometry; time per frame and stage as
+// counters.
 #include <benchmark/benchmark.h>
 
 #include <filesystem>
@@ -10,7 +11,8 @@ namespace dynemo {
 namespace {
 
 void wholeRun(benchmark::State& state, OdometrySource odometry) {
-  const std::filesystem::path folder = std::filesystem::path(DYNEMO_SAMPLE_RAWLOGS) / "rooms_agents";
+  const std::filesystem::path folder =
+      std::filesystem::path(DYNEMO_SAMPLE_RAWLOGS) / "rooms_agents";
   const EntityModels models = EntityModels::load(folder / "rooms_agents_entities.yaml");
   DynemoParams params;
   params.odometry.source = odometry;
@@ -34,11 +36,13 @@ void wholeRun(benchmark::State& state, OdometrySource odometry) {
     }
     pipeline.finish();
   }
-  for (std::size_t s = 0; s < sum.ms.size(); ++s) state.counters[std::string(kStageNames[s]) + "_ms"] = sum.ms[s] / frames;
+  for (std::size_t s = 0; s < sum.ms.size(); ++s)
+    state.counters[std::string(kStageNames[s]) + "_ms"] = sum.ms[s] / frames;
   state.counters["frame_ms"] = sum.total() / frames;
 }
 
-BENCHMARK_CAPTURE(wholeRun, rawlog_odometry, OdometrySource::kRawlog)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(wholeRun, rawlog_odometry, OdometrySource::kRawlog)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(wholeRun, lidar_odometry, OdometrySource::kLidar)->Unit(benchmark::kMillisecond);
 
 }  // namespace

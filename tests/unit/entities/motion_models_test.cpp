@@ -21,7 +21,8 @@ CNodeEntity node(std::uint64_t id, double t_s, const Pose3& T_map_entity) {
 
 class MotionModels : public testing::Test {
  protected:
-  MotionConstraint constrain(const std::string& name, const CNodeEntity& current, const EntityModel* model = nullptr) {
+  MotionConstraint constrain(const std::string& name, const CNodeEntity& current,
+                             const EntityModel* model = nullptr) {
     std::vector<const CNodeEntity*> history;
     for (const auto& n : history_) history.push_back(&n);
     const MotionContext context{model, history, current, covariance_};
@@ -57,7 +58,8 @@ TEST_F(MotionModels, DisplacedObjectKeepsItsRelativePoseInThePaperForm) {
   ASSERT_EQ(c.edges.size(), 1u);
   const auto& edge = dynamic_cast<const CEdgeIntraEntity&>(*c.edges[0]);
   EXPECT_LT(local(history_[0].T_map_entity().inverse() * T, edge.T_1_2).norm(), kTight);
-  EXPECT_NEAR(edge.information()(0, 0), 1.0 / (params_.relative_sigma_m * params_.relative_sigma_m), kTight);
+  EXPECT_NEAR(edge.information()(0, 0), 1.0 / (params_.relative_sigma_m * params_.relative_sigma_m),
+              kTight);
 }
 
 TEST_F(MotionModels, UncertaintyDecidesWhetherADisplacementIsMotion) {
@@ -80,13 +82,16 @@ TEST_F(MotionModels, PaperLineProjectsTheRelativePoseOntoU) {
   params_.form = MotionForm::kPaper;
   EntityModel model;
   model.direction_entity = Vector3::UnitX();
-  const auto c = constrain("agent_line", node(1, 1.0, Pose3::fromYawPitchRoll(2, 2.4, 0.1, 0.3, 0, 0)), &model);
+  const auto c = constrain("agent_line",
+                           node(1, 1.0, Pose3::fromYawPitchRoll(2, 2.4, 0.1, 0.3, 0, 0)), &model);
   ASSERT_EQ(c.edges.size(), 1u);
   const auto& edge = dynamic_cast<const CEdgeIntraEntity&>(*c.edges[0]);
   EXPECT_LT((edge.T_1_2.t - Vector3(1, 0, 0)).norm(), kTight);
   EXPECT_LT(rotationAngle(edge.T_1_2), kTight);
-  EXPECT_NEAR(edge.information()(0, 0), 1.0 / (params_.line_sigma_along_m * params_.line_sigma_along_m), 1e-9);
-  EXPECT_NEAR(edge.information()(1, 1), 1.0 / (params_.line_sigma_across_m * params_.line_sigma_across_m), 1e-9);
+  EXPECT_NEAR(edge.information()(0, 0),
+              1.0 / (params_.line_sigma_along_m * params_.line_sigma_along_m), 1e-9);
+  EXPECT_NEAR(edge.information()(1, 1),
+              1.0 / (params_.line_sigma_across_m * params_.line_sigma_across_m), 1e-9);
 }
 
 TEST_F(MotionModels, PaperLineRotatesTheInformationWithU) {
@@ -95,15 +100,18 @@ TEST_F(MotionModels, PaperLineRotatesTheInformationWithU) {
   model.direction_entity = Vector3(0, 1, 0);
   const auto c = constrain("agent_line", node(1, 1.0, Pose3::translation(1, 3, 0)), &model);
   const auto& information = c.edges.at(0)->information();
-  EXPECT_NEAR(information(1, 1), 1.0 / (params_.line_sigma_along_m * params_.line_sigma_along_m), 1e-9);
-  EXPECT_NEAR(information(0, 0), 1.0 / (params_.line_sigma_across_m * params_.line_sigma_across_m), 1e-9);
+  EXPECT_NEAR(information(1, 1), 1.0 / (params_.line_sigma_along_m * params_.line_sigma_along_m),
+              1e-9);
+  EXPECT_NEAR(information(0, 0), 1.0 / (params_.line_sigma_across_m * params_.line_sigma_across_m),
+              1e-9);
 }
 
 TEST_F(MotionModels, PaperLineIsFittedFromThreePositions) {
   params_.form = MotionForm::kPaper;
   history_ = {node(0, 0.0, Pose3::fromYawPitchRoll(0, 0, 0, 1.0, 0, 0)),
               node(1, 0.5, Pose3::fromYawPitchRoll(0, 0.5, 0, 1.0, 0, 0))};
-  const auto c = constrain("agent_line", node(2, 1.0, Pose3::fromYawPitchRoll(0.05, 1.0, 0, 1.0, 0, 0)));
+  const auto c =
+      constrain("agent_line", node(2, 1.0, Pose3::fromYawPitchRoll(0.05, 1.0, 0, 1.0, 0, 0)));
   const auto& edge = dynamic_cast<const CEdgeIntraEntity&>(*c.edges.at(0));
   EXPECT_EQ(edge.motion_model, "agent_line");
   const Vector3 step_map = history_[1].T_map_entity().R * edge.T_1_2.t;
@@ -120,7 +128,8 @@ TEST_F(MotionModels, WithoutALineThePaperFormKeepsTheRelativePose) {
 }
 
 TEST_F(MotionModels, ConsistentLineTiesToTheFirstObservationOnIt) {
-  history_ = {node(0, 0.0, Pose3::translation(0, 0, 0)), node(1, 1.0, Pose3::translation(1, 0.02, 0)),
+  history_ = {node(0, 0.0, Pose3::translation(0, 0, 0)),
+              node(1, 1.0, Pose3::translation(1, 0.02, 0)),
               node(2, 2.0, Pose3::translation(2, -0.02, 0))};
   EntityModel model;
   model.direction_entity = Vector3::UnitX();
@@ -130,7 +139,8 @@ TEST_F(MotionModels, ConsistentLineTiesToTheFirstObservationOnIt) {
 }
 
 TEST_F(MotionModels, ConsistentLineSkipsAnObservationTakenWhileTurning) {
-  history_ = {node(0, 0.0, Pose3::fromYawPitchRoll(0, 0, 0, 1.2, 0, 0)), node(1, 1.0, Pose3::translation(0.1, 0, 0))};
+  history_ = {node(0, 0.0, Pose3::fromYawPitchRoll(0, 0, 0, 1.2, 0, 0)),
+              node(1, 1.0, Pose3::translation(0.1, 0, 0))};
   EntityModel model;
   model.direction_entity = Vector3::UnitX();
   const auto c = constrain("agent_line", node(2, 3.0, Pose3::translation(2, 0, 0)), &model);

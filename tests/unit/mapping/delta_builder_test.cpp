@@ -82,7 +82,8 @@ TEST_F(Builder, OneNodePerEntityAndKeyframeWithOneEdgePerSensor) {
   const GraphDelta delta = add(Pose3(), {left, right, see(2, Pose3::translation(3, 1, 0))});
   EXPECT_EQ(graph_.tracks().size(), 2u);
   EXPECT_EQ(edgesOf<CEdgeKeyframeEntity>(delta).size(), 3u);
-  EXPECT_NEAR(graph_.lastObservation({1})->T_map_entity().t.x(), 2.02, 1e-12) << "the best sensor initialises";
+  EXPECT_NEAR(graph_.lastObservation({1})->T_map_entity().t.x(), 2.02, 1e-12)
+      << "the best sensor initialises";
 }
 
 TEST_F(Builder, BuildingIsPure) {
@@ -147,7 +148,8 @@ TEST_F(Builder, WithoutLidarAnEntityOfKnownHeightGivesTheFloor) {
 }
 
 TEST_F(Builder, RelativePoseCovarianceMatchesSampling) {
-  const Pose3 T_1 = Pose3::fromYawPitchRoll(1, 2, 3, 0.4, 0.1, -0.2), T_2 = Pose3::fromYawPitchRoll(-1, 0.5, 2, 1.4, 0, 0);
+  const Pose3 T_1 = Pose3::fromYawPitchRoll(1, 2, 3, 0.4, 0.1, -0.2),
+              T_2 = Pose3::fromYawPitchRoll(-1, 0.5, 2, 1.4, 0, 0);
   std::mt19937_64 rng(5);
   const MatrixX joint = 1e-6 * randomInformation(12, rng);
   const Matrix6 cov = relativePoseCovariance(T_1, T_2, joint);

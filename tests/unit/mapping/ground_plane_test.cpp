@@ -7,7 +7,8 @@
 namespace dynemo {
 namespace {
 
-/// Ground at `height_m` below a levelled base, a wall and a table, seen by a LiDAR that is mounted askew.
+/// Ground at `height_m` below a levelled base, a wall and a table, seen by a LiDAR that is mounted
+/// askew.
 Scan room(double height_m, const Matrix3& R_level_base, double noise_m = 0.01) {
   Scan scan;
   scan.T_base_lidar = Pose3::fromYawPitchRoll(0.1, 0, 0.5, 0.2, 0.05, -0.03);
@@ -50,13 +51,16 @@ TEST(FindGround, TheNormalOfATiltedGroundLevelsTheBase) {
 TEST(FindGround, NothingWithoutGround) {
   Scan scan;
   EXPECT_FALSE(findGround(scan, Matrix3::Identity()));
-  for (int i = 0; i < 500; ++i) scan.cloud.points.emplace_back(2.0f, 0.01f * static_cast<float>(i % 50), 0.02f * static_cast<float>(i / 50) - 1.0f);
+  for (int i = 0; i < 500; ++i)
+    scan.cloud.points.emplace_back(2.0f, 0.01f * static_cast<float>(i % 50),
+                                   0.02f * static_cast<float>(i / 50) - 1.0f);
   EXPECT_FALSE(findGround(scan, Matrix3::Identity()));
 }
 
 TEST(FindGround, IsDeterministic) {
   const Scan scan = room(-0.3, Matrix3::Identity());
-  EXPECT_EQ(findGround(scan, Matrix3::Identity())->height_m, findGround(scan, Matrix3::Identity())->height_m);
+  EXPECT_EQ(findGround(scan, Matrix3::Identity())->height_m,
+            findGround(scan, Matrix3::Identity())->height_m);
 }
 
 }  // namespace

@@ -45,7 +45,8 @@ TEST_F(Localize, OneMovedObjectAmongFiveDoesNotDecide) {
   for (int i = 0; i < 5; ++i) {
     const Pose3 T = Pose3::translation(i, 2, 0);
     map(i, SemanticClass::kObject, T);
-    see(i, SemanticClass::kObject, T_map_base_.inverse() * Pose3::translation(i == 2 ? 1.0 : 0.0, 0, 0) * T,
+    see(i, SemanticClass::kObject,
+        T_map_base_.inverse() * Pose3::translation(i == 2 ? 1.0 : 0.0, 0, 0) * T,
         i == 2 ? 0.03 : 0.02);
   }
   EXPECT_LT(local(T_map_base_, *localizeFromEntities(observations_, graph_)).norm(), 0.05);

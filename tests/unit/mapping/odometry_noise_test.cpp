@@ -42,7 +42,8 @@ TEST(OdometryNoise, AShrinkingRecordedCovarianceStaysPositiveDefinite) {
 TEST(OdometryNoise, TheModelGrowsWithDistanceAndAngle) {
   const OdometryState s{Pose3(), std::nullopt};
   const auto p = withoutJitter();
-  const Matrix6 one = relativeOdometryCovariance(s, s, 1.0, 0.0, p), four = relativeOdometryCovariance(s, s, 4.0, 0.0, p);
+  const Matrix6 one = relativeOdometryCovariance(s, s, 1.0, 0.0, p),
+                four = relativeOdometryCovariance(s, s, 4.0, 0.0, p);
   EXPECT_NEAR(four(0, 0) / one(0, 0), 4.0, 1e-6);
   EXPECT_NEAR(one(0, 0), p.translation_per_sqrt_m * p.translation_per_sqrt_m, 1e-9);
   EXPECT_GT(relativeOdometryCovariance(s, s, 1.0, 1.0, p)(5, 5), one(5, 5));
@@ -65,7 +66,8 @@ Scan cube(double spacing_m) {
   scan.T_base_lidar = Pose3::fromYawPitchRoll(0.1, 0.2, 0.5, 0.3, 0, 0);
   for (double x = 0; x < 4; x += spacing_m) {
     for (double y = 0; y < 4; y += spacing_m) {
-      scan.cloud.points.push_back((scan.T_base_lidar.inverse() * Vector3(x, y, 0.1 * x * y)).cast<float>());
+      scan.cloud.points.push_back(
+          (scan.T_base_lidar.inverse() * Vector3(x, y, 0.1 * x * y)).cast<float>());
     }
   }
   return scan;
@@ -81,8 +83,10 @@ TEST(ScanFitness, IsZeroUnderTheTruePoseAndTheSquaredOffsetNearby) {
 TEST(ScanFitness, CovarianceRunsFromTheSmallestToTheLargest) {
   const OdometryNoiseParams p;
   EXPECT_NEAR(std::sqrt(fitnessCovariance(0.0, p)(0, 0)), p.fitness_min_sigma_m, 1e-12);
-  EXPECT_NEAR(std::sqrt(fitnessCovariance(p.fitness_max_m2, p)(5, 5)), p.fitness_max_sigma_rad, 1e-12);
-  EXPECT_NEAR(std::sqrt(fitnessCovariance(std::numeric_limits<double>::infinity(), p)(0, 0)), p.fitness_max_sigma_m, 1e-12);
+  EXPECT_NEAR(std::sqrt(fitnessCovariance(p.fitness_max_m2, p)(5, 5)), p.fitness_max_sigma_rad,
+              1e-12);
+  EXPECT_NEAR(std::sqrt(fitnessCovariance(std::numeric_limits<double>::infinity(), p)(0, 0)),
+              p.fitness_max_sigma_m, 1e-12);
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 
 namespace dynemo {
 
-/// Overlays layers of YAML onto a parameter struct. Later layers win; what no layer names keeps its value.
-/// All violations of all layers are collected and thrown together by apply().
+/// Overlays layers of YAML onto a parameter struct. Later layers win; what no layer names keeps its
+/// value. All violations of all layers are collected and thrown together by apply().
 class ConfigLoader {
  public:
   using Visit = std::function<void(FieldVisitor&)>;
@@ -27,8 +27,9 @@ class ConfigLoader {
   /// Adds one "section.key=value" override, the value in YAML.
   void addOverride(const std::string& key_equals_value);
 
-  /// Visits the fields with every layer in turn. Throws one ConfigError that lists, per violation, the file,
-  /// the key, the value and the constraint: unknown keys, wrong types, values out of range.
+  /// Visits the fields with every layer in turn. Throws one ConfigError that lists, per violation,
+  /// the file, the key, the value and the constraint: unknown keys, wrong types, values out of
+  /// range.
   void apply(const Visit& visit) const;
 
  private:
@@ -36,8 +37,9 @@ class ConfigLoader {
   std::unique_ptr<Impl> impl_;
 };
 
-/// YAML text of all fields with their current values, in the order of the field list; with `documented`, each
-/// preceded by its description and range as a comment. Numbers round-trip exactly.
+/// YAML text of all fields with their current values, in the order of the field list; with
+/// `documented`, each preceded by its description and range as a comment. Numbers round-trip
+/// exactly.
 std::string dumpYaml(const ConfigLoader::Visit& visit, bool documented);
 
 /// Overlays `loader`'s layers onto params.

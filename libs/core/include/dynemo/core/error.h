@@ -1,5 +1,5 @@
-// Failures. Configuration, input and format errors throw one of these and are caught in main only; expected
-// outcomes (not converged, rejected) are values.
+// Failures. Configuration, input and format errors throw one of these and are caught in main only;
+// expected outcomes (not converged, rejected) are values.
 #pragma once
 
 #include <stdexcept>
@@ -8,7 +8,8 @@
 
 namespace dynemo {
 
-/// A wrong command line or configuration: names file, key, value and violated constraint. Exit status 2.
+/// A wrong command line or configuration: names file, key, value and violated constraint. Exit
+/// status 2.
 class ConfigError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

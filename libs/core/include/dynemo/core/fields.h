@@ -1,12 +1,15 @@
-// One list of fields per parameter struct, which drives loading, dumping, range checks and documentation.
+// One list of fields per parameter struct, which drives loading, dumping, range checks and
+// documentation.
 //
-//   struct PolicyParams { double translation_m = 1.0; double rotation_rad = 0.5; Mode mode = Mode::kDynamic; };
-//   void fields(FieldVisitor& v, PolicyParams& p) {
-//     v.number("translation_m", p.translation_m, "Robot motion that makes a keyframe", Range::positive());
-//     v.angle("rotation_deg", p.rotation_rad, "…");            // radians in the struct, degrees in YAML
-//     v.choice("mode", p.mode, {"baseline", "dynamic"}, "…");    // enumerators in the order of the names
+//   struct PolicyParams { double translation_m = 1.0; double rotation_rad = 0.5; Mode mode =
+//   Mode::kDynamic; }; void fields(FieldVisitor& v, PolicyParams& p) {
+//     v.number("translation_m", p.translation_m, "Robot motion that makes a keyframe",
+//     Range::positive()); v.angle("rotation_deg", p.rotation_rad, "…");            // radians in
+//     the struct, degrees in YAML v.choice("mode", p.mode, {"baseline", "dynamic"}, "…");    //
+//     enumerators in the order of the names
 //   }
-//   v.section("keyframes", params.keyframes, "…");               // nests; finds fields() by its argument
+//   v.section("keyframes", params.keyframes, "…");               // nests; finds fields() by its
+//   argument
 //
 // Defaults are the in-class initialisers of the struct, nowhere else.
 #pragma once
@@ -47,15 +50,18 @@ class FieldVisitor {
   virtual void numbers(const char* key, std::vector<double>& value, const char* doc) = 0;
   virtual void texts(const char* key, std::vector<std::string>& value, const char* doc) = 0;
   /// Free-form table of rows, e.g. extrinsics by sensor label.
-  virtual void table(const char* key, std::map<std::string, std::vector<double>>& value, const char* doc) = 0;
+  virtual void table(const char* key, std::map<std::string, std::vector<double>>& value,
+                     const char* doc) = 0;
   /// `null` in YAML means "off".
-  virtual void optionalNumber(const char* key, std::optional<double>& value, const char* doc, Range range = {}) = 0;
+  virtual void optionalNumber(const char* key, std::optional<double>& value, const char* doc,
+                              Range range = {}) = 0;
 
   /// Radians in the struct, degrees in the file; the key ends in _deg and the range is in degrees.
   void angle(const char* key_deg, double& value_rad, const char* doc, Range range_deg = {});
 
   template <class Enum>
-  void choice(const char* key, Enum& value, std::initializer_list<const char*> names, const char* doc) {
+  void choice(const char* key, Enum& value, std::initializer_list<const char*> names,
+              const char* doc) {
     int index = static_cast<int>(value);
     choiceIndex(key, index, std::vector<std::string>(names.begin(), names.end()), doc);
     value = static_cast<Enum>(index);
@@ -69,7 +75,8 @@ class FieldVisitor {
   }
 
  protected:
-  virtual void choiceIndex(const char* key, int& index, const std::vector<std::string>& names, const char* doc) = 0;
+  virtual void choiceIndex(const char* key, int& index, const std::vector<std::string>& names,
+                           const char* doc) = 0;
   /// False skips the section.
   virtual bool enter(const char* key, const char* doc) = 0;
   virtual void leave() = 0;

@@ -26,5 +26,7 @@ using EntityId = StrongId<struct EntityIdTag, std::int64_t>;
 
 template <class Tag, class Int>
 struct std::hash<dynemo::StrongId<Tag, Int>> {
-  std::size_t operator()(const dynemo::StrongId<Tag, Int>& id) const noexcept { return std::hash<Int>{}(id.value); }
+  std::size_t operator()(const dynemo::StrongId<Tag, Int>& id) const noexcept {
+    return std::hash<Int>{}(id.value);
+  }
 };

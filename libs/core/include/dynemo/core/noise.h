@@ -10,8 +10,8 @@ namespace dynemo {
 using MatrixX = Eigen::MatrixXd;
 using VectorX = Eigen::VectorXd;
 
-/// U with UᵀU = information, so that ‖U e‖² = eᵀ Ω e. Empty when the matrix is not symmetric positive
-/// definite (relative to its largest entry).
+/// U with UᵀU = information, so that ‖U e‖² = eᵀ Ω e. Empty when the matrix is not symmetric
+/// positive definite (relative to its largest entry).
 std::optional<MatrixX> squareRootInformation(const MatrixX& information);
 
 /// Inverse of a symmetric positive definite matrix; empty when it is not.
@@ -20,9 +20,10 @@ std::optional<MatrixX> invertSpd(const MatrixX& m);
 /// diag(σ_t², σ_t², σ_t², σ_r², σ_r², σ_r²).
 Matrix6 isotropicCovariance(double sigma_translation_m, double sigma_rotation_rad);
 
-/// Raises the eigenvalues of the translation and of the rotation block to at least the given variances, leaving
-/// their correlation with each other in place where it stays consistent.
-Matrix6 floorCovariance(const Matrix6& cov, double min_sigma_translation_m, double min_sigma_rotation_rad);
+/// Raises the eigenvalues of the translation and of the rotation block to at least the given
+/// variances, leaving their correlation with each other in place where it stays consistent.
+Matrix6 floorCovariance(const Matrix6& cov, double min_sigma_translation_m,
+                        double min_sigma_rotation_rad);
 
 /// eᵀ Σ⁻¹ e; +∞ when Σ is singular.
 double squaredMahalanobis(const VectorX& e, const MatrixX& covariance);

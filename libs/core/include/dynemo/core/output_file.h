@@ -7,7 +7,8 @@
 
 namespace dynemo {
 
-/// A file that grows while the run goes on; each line is flushed, so an interrupted run leaves what it had.
+/// A file that grows while the run goes on; each line is flushed, so an interrupted run leaves what
+/// it had.
 class AppendFile {
  public:
   AppendFile() = default;
@@ -21,8 +22,8 @@ class AppendFile {
   std::ofstream out_;
 };
 
-/// Replaces `file` by `content` in one step (a temporary file beside it, renamed). Throws DataError, leaving an
-/// earlier version in place, when it cannot be written.
+/// Replaces `file` by `content` in one step (a temporary file beside it, renamed). Throws
+/// DataError, leaving an earlier version in place, when it cannot be written.
 void writeFileAtomically(const std::filesystem::path& file, const std::string& content);
 
 /// Shortest decimal text that reads back as the same double.

@@ -19,7 +19,8 @@ struct PointCloud {
   std::vector<Eigen::Vector3f> points;
   /// Per point, seconds after the scan's stamp; empty when the sensor gives none.
   std::vector<float> time_offset_s;
-  /// Per point, the row (ring or image row) and column of an organised sensor; empty when unorganised.
+  /// Per point, the row (ring or image row) and column of an organised sensor; empty when
+  /// unorganised.
   std::vector<std::uint16_t> row, column;
   std::uint16_t rows = 0, columns = 0;
 

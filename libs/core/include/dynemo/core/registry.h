@@ -1,5 +1,5 @@
-// A table of named factories. Each plug-in library fills its own in its register.cpp; nothing registers itself
-// behind the linker's back.
+// A table of named factories. Each plug-in library fills its own in its register.cpp; nothing
+// registers itself behind the linker's back.
 #pragma once
 
 #include <functional>

@@ -48,7 +48,8 @@ struct Pose3 {
   static Pose3 translation(const Vector3& t) { return {Matrix3::Identity(), t}; }
   static Pose3 translation(double x, double y, double z) { return translation(Vector3(x, y, z)); }
   /// R = Rz(yaw) Ry(pitch) Rx(roll), as mrpt::poses::CPose3D [m, rad].
-  static Pose3 fromYawPitchRoll(double x, double y, double z, double yaw, double pitch, double roll);
+  static Pose3 fromYawPitchRoll(double x, double y, double z, double yaw, double pitch,
+                                double roll);
 
   Pose3 operator*(const Pose3& T_b_c) const { return {R * T_b_c.R, R * T_b_c.t + t}; }
   Vector3 operator*(const Vector3& p_b) const { return R * p_b + t; }
@@ -76,11 +77,12 @@ Pose3 interpolate(const Pose3& T_a, const Pose3& T_b, double s);
 /// For T ⊞ d: (T ⊞ d) T_c = (T T_c) ⊞ (A d) to first order.
 Matrix6 composeJacobianLeft(const Pose3& T_c);
 
-/// How a perturbation of T_c moves T·T_c (the identity in this convention except that translation is in
-/// T_c's own axes): d(T T_c) = composeJacobianRight() · dT_c = dT_c.
+/// How a perturbation of T_c moves T·T_c (the identity in this convention except that translation
+/// is in T_c's own axes): d(T T_c) = composeJacobianRight() · dT_c = dT_c.
 inline Matrix6 composeJacobianRight() { return Matrix6::Identity(); }
 
-/// Covariance of a pose's right tangent after re-expressing the translation part in the parent's axes, and back.
+/// Covariance of a pose's right tangent after re-expressing the translation part in the parent's
+/// axes, and back.
 Matrix6 covarianceTranslationToParent(const Matrix6& tangent_cov, const Matrix3& R);
 Matrix6 covarianceTranslationToLocal(const Matrix6& parent_cov, const Matrix3& R);
 

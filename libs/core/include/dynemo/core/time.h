@@ -1,4 +1,5 @@
-// Time stamps of observations: integer nanoseconds since the UNIX epoch (UTC), exact and totally ordered.
+// Time stamps of observations: integer nanoseconds since the UNIX epoch (UTC), exact and totally
+// ordered.
 #pragma once
 
 #include <cstdint>

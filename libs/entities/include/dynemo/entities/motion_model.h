@@ -1,5 +1,5 @@
-// Motion models by semantic class: what two consecutive observations of an entity say about each other (paper,
-// Sec. IV-A, intra-entity constraint).
+// Motion models by semantic class: what two consecutive observations of an entity say about each
+// other (paper, Sec. IV-A, intra-entity constraint).
 #pragma once
 
 #include <memory>
@@ -15,13 +15,14 @@
 
 namespace dynemo {
 
-/// Paper: f as printed, also where f is the relative pose of the very detections it connects. Consistent: only
-/// constraints that add information of their own.
+/// Paper: f as printed, also where f is the relative pose of the very detections it connects.
+/// Consistent: only constraints that add information of their own.
 enum class MotionForm { kPaper, kConsistent };
 
 struct MotionParams {
   MotionForm form = MotionForm::kConsistent;
-  /// ν as a χ²₆ probability: the squared Mahalanobis norm of the relative pose up to this quantile is no motion.
+  /// ν as a χ²₆ probability: the squared Mahalanobis norm of the relative pose up to this quantile
+  /// is no motion.
   double static_probability = 0.99;
   /// Smallest displacement that counts as motion, whatever its significance.
   double min_motion_m = 0.10;
@@ -45,7 +46,8 @@ struct MotionParams {
   /// Consistent form: change of velocity between observations, per square root of a second.
   double velocity_sigma_mps = 0.5;
 
-  /// Fitted line: at least so many positions, spread by at least so much, off by at most so much (rms).
+  /// Fitted line: at least so many positions, spread by at least so much, off by at most so much
+  /// (rms).
   int line_min_observations = 3;
   double line_min_length_m = 0.3;
   double line_max_rms_m = 0.15;
@@ -54,21 +56,24 @@ void fields(FieldVisitor& v, MotionParams& p);
 
 /// What a model may look at. `current` is not in the graph yet but has its id and initial estimate.
 struct MotionContext {
-  const EntityModel* model = nullptr;  ///< nullptr for an entity without an entry in the entity file
+  const EntityModel* model =
+      nullptr;  ///< nullptr for an entity without an entry in the entity file
   /// Earlier observations, oldest first; never empty.
   std::span<const CNodeEntity* const> history;
   const CNodeEntity& current;
-  /// Covariance of the right tangent of P = ε_{t−1}⁻¹ ε_t: both detections and the robot's own uncertainty between
-  /// them.
+  /// Covariance of the right tangent of P = ε_{t−1}⁻¹ ε_t: both detections and the robot's own
+  /// uncertainty between them.
   Matrix6 relative_covariance;
 
   const CNodeEntity& previous() const { return *history.back(); }
   /// P (paper: P_{E_i,t}, in the direction the cost compares with).
-  Pose3 relativePose() const { return previous().T_map_entity().inverse() * current.T_map_entity(); }
+  Pose3 relativePose() const {
+    return previous().T_map_entity().inverse() * current.T_map_entity();
+  }
 };
 
-/// The edges that tie an observation to earlier ones, without ids; `moved` when the entity was displaced since the
-/// previous one.
+/// The edges that tie an observation to earlier ones, without ids; `moved` when the entity was
+/// displaced since the previous one.
 struct MotionConstraint {
   bool moved = false;
   std::vector<CEdgeBase::Ptr> edges;

@@ -21,7 +21,8 @@ constexpr int kMaxResidual = 6;
 constexpr int kMaxTangent = 6;
 constexpr int kMaxEdgeNodes = 4;
 using Residual = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxResidual, 1>;
-using JacobianBlock = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxResidual, kMaxTangent>;
+using JacobianBlock =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxResidual, kMaxTangent>;
 using Jacobians = std::array<JacobianBlock, kMaxEdgeNodes>;
 using InformationMatrix =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxResidual, kMaxResidual>;
@@ -36,8 +37,8 @@ class CEdgeBase : public mrpt::serialization::CSerializable {
   RobustKernel kernel;
 
   virtual int residualSize() const = 0;
-  /// e at the given node states (CNodeBase::readState layout, one pointer per node) and, when J is given, the
-  /// derivative of e by each node's tangent.
+  /// e at the given node states (CNodeBase::readState layout, one pointer per node) and, when J is
+  /// given, the derivative of e by each node's tangent.
   virtual void evaluate(std::span<const double* const> states, Residual& e, Jacobians* J) const = 0;
   /// Short name for files and pictures: "odometry", "keyframe_entity", …
   virtual const char* kind() const = 0;

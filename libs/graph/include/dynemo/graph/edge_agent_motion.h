@@ -1,12 +1,13 @@
-// Motion constraints on agents that add information of their own, instead of repeating the relative pose of the two
-// detections they connect.
+// Motion constraints on agents that add information of their own, instead of repeating the relative
+// pose of the two detections they connect.
 #pragma once
 
 #include "dynemo/graph/edge.h"
 
 namespace dynemo {
 
-/// An agent walks along u: its displacement has no component orthogonal to u (nodes: entity, entity).
+/// An agent walks along u: its displacement has no component orthogonal to u (nodes: entity,
+/// entity).
 ///   e = B(u)ᵀ R_1ᵀ (t_2 − t_1) ∈ R² [m], B(u) an orthonormal basis of the plane orthogonal to u.
 class CEdgeAgentLine : public CEdgeBase {
   DEFINE_SERIALIZABLE(CEdgeAgentLine, dynemo)

@@ -4,7 +4,8 @@
 
 namespace dynemo {
 
-/// An entity keeps its height over its floor: e = ξ − (ε)_z − z̃ [m] (paper, Eq. (12); nodes: floor, entity).
+/// An entity keeps its height over its floor: e = ξ − (ε)_z − z̃ [m] (paper, Eq. (12); nodes: floor,
+/// entity).
 class CEdgeFloorEntity : public CEdgeBase {
   DEFINE_SERIALIZABLE(CEdgeFloorEntity, dynemo)
  public:

@@ -42,8 +42,8 @@ class CEdgeKeyframeEntity : public CEdgeRelativePose {
   static Ptr example(std::mt19937_64& rng) { return randomExample<CEdgeKeyframeEntity>(rng); }
 };
 
-/// Consecutive observations of one entity under its motion model, ε_{t−1}⁻¹ ⊕ ε_t ⊖ f (paper, Eq. (10); nodes:
-/// entity, entity). T_1_2 is f.
+/// Consecutive observations of one entity under its motion model, ε_{t−1}⁻¹ ⊕ ε_t ⊖ f (paper, Eq.
+/// (10); nodes: entity, entity). T_1_2 is f.
 class CEdgeIntraEntity : public CEdgeRelativePose {
   DEFINE_SERIALIZABLE(CEdgeIntraEntity, dynemo)
  public:

@@ -12,8 +12,8 @@
 
 namespace dynemo {
 
-/// One estimated variable. Its state is a short array of doubles, so that the solver can keep all states in one flat
-/// buffer; its tangent is what an optimiser step moves.
+/// One estimated variable. Its state is a short array of doubles, so that the solver can keep all
+/// states in one flat buffer; its tangent is what an optimiser step moves.
 class CNodeBase : public mrpt::serialization::CSerializable {
   DEFINE_VIRTUAL_SERIALIZABLE(CNodeBase)
  public:
@@ -35,7 +35,8 @@ class CNodeBase : public mrpt::serialization::CSerializable {
   void readBase(mrpt::serialization::CArchive& in);
 };
 
-/// A node whose state is a pose in the map frame: 3 translation, then 9 rotation entries column by column.
+/// A node whose state is a pose in the map frame: 3 translation, then 9 rotation entries column by
+/// column.
 class CNodePose : public CNodeBase {
   DEFINE_VIRTUAL_SERIALIZABLE(CNodePose)
  public:

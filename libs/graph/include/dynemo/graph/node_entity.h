@@ -12,7 +12,8 @@ enum class SemanticClass : std::uint8_t { kObject = 0, kAgent = 1 };
 
 const char* semanticClassName(SemanticClass c);
 
-/// One observation of one entity at one keyframe: state T_map_entity ∈ SE(3) at the observation's stamp.
+/// One observation of one entity at one keyframe: state T_map_entity ∈ SE(3) at the observation's
+/// stamp.
 class CNodeEntity : public CNodePose {
   DEFINE_SERIALIZABLE(CNodeEntity, dynemo)
  public:

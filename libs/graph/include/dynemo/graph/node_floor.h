@@ -17,7 +17,9 @@ class CNodeFloor : public CNodeBase {
   int tangentSize() const override { return 1; }
   void readState(double* out) const override { *out = level_m; }
   void writeState(const double* state) override { level_m = *state; }
-  void retract(const double* state, const double* delta, double* out) const override { *out = *state + *delta; }
+  void retract(const double* state, const double* delta, double* out) const override {
+    *out = *state + *delta;
+  }
   const char* kind() const override { return "floor"; }
 };
 

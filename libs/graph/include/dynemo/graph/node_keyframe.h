@@ -34,7 +34,8 @@ class CNodeKeyframe : public CNodePose {
   std::uint32_t reasons = 0;
   /// The floor the robot stands on, when known.
   std::optional<NodeId> floor;
-  /// The LiDAR scan, shared and immutable; not part of the serialised node (a session stores clouds apart).
+  /// The LiDAR scan, shared and immutable; not part of the serialised node (a session stores clouds
+  /// apart).
   std::shared_ptr<const Scan> scan;
 
   const Pose3& T_map_base() const { return T_map_node; }

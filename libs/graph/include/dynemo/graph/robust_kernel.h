@@ -6,7 +6,13 @@
 
 namespace dynemo {
 
-enum class KernelType : std::uint8_t { kNone = 0, kHuber = 1, kCauchy = 2, kTukey = 3, kGemanMcClure = 4 };
+enum class KernelType : std::uint8_t {
+  kNone = 0,
+  kHuber = 1,
+  kCauchy = 2,
+  kTukey = 3,
+  kGemanMcClure = 4
+};
 
 const char* kernelName(KernelType type);
 

@@ -15,8 +15,8 @@
 
 namespace dynemo {
 
-/// Nodes and edges to add (and edges to take out), prepared without touching the graph. Ids count on from the
-/// graph's nextNodeId() and nextEdgeId() in the order of the lists.
+/// Nodes and edges to add (and edges to take out), prepared without touching the graph. Ids count
+/// on from the graph's nextNodeId() and nextEdgeId() in the order of the lists.
 struct GraphDelta {
   std::vector<CNodeBase::Ptr> nodes;
   std::vector<CEdgeBase::Ptr> edges;
@@ -24,10 +24,10 @@ struct GraphDelta {
   bool empty() const { return nodes.empty() && edges.empty() && removed_edges.empty(); }
 };
 
-/// Layers, bottom up: keyframes with the entities seen from them; planes; floors. Edges point from the node that
-/// measures to the measured one. A const graph can be read by any number of threads; only apply(), setStates of the
-/// optimiser and the drift's setter change it. Topology is MRPT's CDirectedGraph, so its algorithms (neighbours,
-/// Dijkstra, Graphviz) apply.
+/// Layers, bottom up: keyframes with the entities seen from them; planes; floors. Edges point from
+/// the node that measures to the measured one. A const graph can be read by any number of threads;
+/// only apply(), setStates of the optimiser and the drift's setter change it. Topology is MRPT's
+/// CDirectedGraph, so its algorithms (neighbours, Dijkstra, Graphviz) apply.
 class CSceneGraph : public mrpt::serialization::CSerializable {
   DEFINE_SERIALIZABLE(CSceneGraph, dynemo)
  public:
@@ -42,8 +42,8 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
   NodeId nextNodeId() const { return {nodes_.size()}; }
   EdgeId nextEdgeId() const { return {edges_.size()}; }
 
-  /// Adds and removes what the delta says. Throws std::logic_error when ids do not continue the graph's or an edge
-  /// names a node that is not there.
+  /// Adds and removes what the delta says. Throws std::logic_error when ids do not continue the
+  /// graph's or an edge names a node that is not there.
   void apply(const GraphDelta& delta);
 
   std::size_t nodeCount() const { return node_count_; }
@@ -69,7 +69,9 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
   const std::vector<std::shared_ptr<CNodeKeyframe>>& keyframes() const { return keyframes_; }
   const std::vector<std::shared_ptr<CNodeFloor>>& floors() const { return floors_; }
   /// Observations of each entity in the order of their creation.
-  const std::map<EntityId, std::vector<std::shared_ptr<CNodeEntity>>>& tracks() const { return tracks_; }
+  const std::map<EntityId, std::vector<std::shared_ptr<CNodeEntity>>>& tracks() const {
+    return tracks_;
+  }
   /// The latest observation of an entity, or nullptr.
   const CNodeEntity* lastObservation(EntityId entity) const;
 
@@ -82,7 +84,8 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
   double edgeCost(const CEdgeBase& edge) const;
   double totalCost() const;
 
-  /// Gives a keyframe its scan back; for sessions. Throws std::out_of_range when there is no such keyframe.
+  /// Gives a keyframe its scan back; for sessions. Throws std::out_of_range when there is no such
+  /// keyframe.
   void setScan(NodeId keyframe, std::shared_ptr<const Scan> scan);
   /// Replaces a node's estimate; for optimisers.
   void setState(NodeId node, const double* state) { nodes_.at(node.value)->writeState(state); }

@@ -1,5 +1,5 @@
-// The registry of node and edge classes. A new one is one file and one line in register.cpp: serialisation,
-// conformance tests and exporters then find it here.
+// The registry of node and edge classes. A new one is one file and one line in register.cpp:
+// serialisation, conformance tests and exporters then find it here.
 #pragma once
 
 #include <functional>
@@ -33,7 +33,8 @@ const std::vector<EdgeType>& edgeTypes();
 /// Throws std::out_of_range for an unknown kind.
 const EdgeType& edgeType(const std::string& kind);
 
-/// Makes the classes known to MRPT's serialisation. Call before reading a graph; calling again is harmless.
+/// Makes the classes known to MRPT's serialisation. Call before reading a graph; calling again is
+/// harmless.
 void registerGraphClasses();
 
 }  // namespace dynemo

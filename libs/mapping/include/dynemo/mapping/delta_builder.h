@@ -1,4 +1,5 @@
-// Turns a keyframe and its observations into nodes and edges (paper, Sec. IV-A), without touching the graph.
+// Turns a keyframe and its observations into nodes and edges (paper, Sec. IV-A), without touching
+// the graph.
 #pragma once
 
 #include <map>
@@ -28,7 +29,8 @@ struct MappingParams {
 
   double floor_prior_sigma_m = 0.01;
   double floor_entity_sigma_m = 0.05;
-  /// An entity this far off its known height does not stand on the floor; and a height change that is real.
+  /// An entity this far off its known height does not stand on the floor; and a height change that
+  /// is real.
   double height_tolerance_m = 0.15;
 };
 void fields(FieldVisitor& v, MappingParams& p);
@@ -50,13 +52,15 @@ struct KeyframeData {
   std::vector<EntityObservation> observations;
   /// Fragment of each observation.
   std::vector<PointIndices> fragments;
-  /// Per re-observed entity: covariance of T_previous_base, the new base in the frame of the entity's last node.
+  /// Per re-observed entity: covariance of T_previous_base, the new base in the frame of the
+  /// entity's last node.
   std::map<EntityId, Matrix6> relative_covariance;
 };
 
 class DeltaBuilder {
  public:
-  /// The models must outlive the builder. Throws ConfigError when an entity names an unknown motion model.
+  /// The models must outlive the builder. Throws ConfigError when an entity names an unknown motion
+  /// model.
   DeltaBuilder(const MappingParams& params, const EntityModels& models);
   ~DeltaBuilder();
 
@@ -70,7 +74,8 @@ class DeltaBuilder {
   std::map<std::string, std::unique_ptr<MotionModel>> motion_models_;
 };
 
-/// Covariance of the right tangent of T_1⁻¹ T_2 from the joint covariance (12×12) of both poses' tangents.
+/// Covariance of the right tangent of T_1⁻¹ T_2 from the joint covariance (12×12) of both poses'
+/// tangents.
 Matrix6 relativePoseCovariance(const Pose3& T_1, const Pose3& T_2, const MatrixX& joint);
 
 }  // namespace dynemo

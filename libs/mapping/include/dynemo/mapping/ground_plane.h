@@ -12,9 +12,9 @@ struct GroundPlane {
   double height_m = 0.0;              ///< z of the plane at the base's origin
 };
 
-/// The near-horizontal plane below the base, with `R_level_base` the base's orientation in a frame that is level as far
-/// as known; empty when the scan shows none. Deterministic RANSAC over the points within a few metres, refined by
-/// least squares.
+/// The near-horizontal plane below the base, with `R_level_base` the base's orientation in a frame
+/// that is level as far as known; empty when the scan shows none. Deterministic RANSAC over the
+/// points within a few metres, refined by least squares.
 std::optional<GroundPlane> findGround(const Scan& scan, const Matrix3& R_level_base);
 
 /// The smallest rotation that turns the ground's normal upright.

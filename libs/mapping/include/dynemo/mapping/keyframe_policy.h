@@ -27,7 +27,8 @@ struct KeyframeParams {
   /// A static object seen again this long after its last registered observation makes a keyframe.
   bool timer = true;
   double timer_s = 5.0;
-  /// New and moved entities must be seen this often, consistently and within the window, before they count.
+  /// New and moved entities must be seen this often, consistently and within the window, before
+  /// they count.
   int confirmations = 2;
   double confirmation_window_s = 1.0;
   /// Least time between keyframes that entities trigger: walkers would make one per frame.
@@ -47,8 +48,8 @@ class KeyframePolicy {
  public:
   explicit KeyframePolicy(const KeyframeParams& params) : params_(params) {}
 
-  /// The reasons (bitwise or of KeyframeReason) to make a keyframe of this frame; 0 for none. Keeps track of
-  /// unconfirmed sightings, so every frame must be shown exactly once and in order.
+  /// The reasons (bitwise or of KeyframeReason) to make a keyframe of this frame; 0 for none. Keeps
+  /// track of unconfirmed sightings, so every frame must be shown exactly once and in order.
   std::uint32_t decide(const KeyframeCandidate& frame, const CSceneGraph& graph);
 
  private:
@@ -58,7 +59,8 @@ class KeyframePolicy {
     Pose3 T_map_entity;
   };
   bool robotMoved(const KeyframeCandidate& frame, const CNodeKeyframe& last) const;
-  bool entityMoved(const EntityObservation& observation, const Pose3& T_map_entity, const CNodeEntity& last) const;
+  bool entityMoved(const EntityObservation& observation, const Pose3& T_map_entity,
+                   const CNodeEntity& last) const;
   /// Counts a sighting of a new or moved entity; true once it is confirmed.
   bool confirm(const EntityObservation& observation, const Pose3& T_map_entity);
 

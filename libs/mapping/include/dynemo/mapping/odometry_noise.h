@@ -12,11 +12,12 @@ namespace dynemo {
 enum class OdometryNoiseSource {
   kRecorded,  ///< growth of the covariance that the log accumulates; the model where it has none
   kModel,     ///< random walk over distance and angle
-  kFitness    ///< how well the two scans agree, as S-Graphs weighs it; the model where there are no scans
+  kFitness    ///< how well the two scans agree, as S-Graphs weighs it; the model where there are no
+              ///< scans
 };
 
-/// Random walk: variance = jitter² + (σ_d² · distance + σ_a² · angle) per component; recorded covariances get the jitter
-/// too, since it is not part of what accumulates.
+/// Random walk: variance = jitter² + (σ_d² · distance + σ_a² · angle) per component; recorded
+/// covariances get the jitter too, since it is not part of what accumulates.
 struct OdometryNoiseParams {
   OdometryNoiseSource source = OdometryNoiseSource::kRecorded;
   double translation_per_sqrt_m = 0.012;
@@ -27,14 +28,16 @@ struct OdometryNoiseParams {
   double jitter_rad = 0.001;
   /// Recorded covariances are multiplied by the square of it.
   double recorded_scale = 1.0;
-  /// Added to recorded covariances: they take the drift as random and leave out systematic errors of scale.
+  /// Added to recorded covariances: they take the drift as random and leave out systematic errors
+  /// of scale.
   double systematic_per_sqrt_m = 0.010;
-  /// Fitness f [m²], the mean squared nearest-neighbour distance of the scans: σ² grows from the smallest to the
-  /// largest with (1 − e^(−20 f)) / (1 − e^(−20 f_max)).
+  /// Fitness f [m²], the mean squared nearest-neighbour distance of the scans: σ² grows from the
+  /// smallest to the largest with (1 − e^(−20 f)) / (1 − e^(−20 f_max)).
   double fitness_max_m2 = 0.5;
   double fitness_min_sigma_m = 0.1, fitness_max_sigma_m = 5.0;
   double fitness_min_sigma_rad = 0.4, fitness_max_sigma_rad = 1.6;
-  /// Least uncertainty of LiDAR odometry between two keyframes: its Hessian knows nothing of wrong associations.
+  /// Least uncertainty of LiDAR odometry between two keyframes: its Hessian knows nothing of wrong
+  /// associations.
   double lidar_min_sigma_m = 0.002;
   double lidar_min_sigma_rad = 0.0005;
   /// Between keyframes where the odometry is missing.
@@ -43,16 +46,18 @@ struct OdometryNoiseParams {
 };
 void fields(FieldVisitor& v, OdometryNoiseParams& p);
 
-/// Mean squared distance [m²] from each point of `b` to its nearest neighbour in `a`, with b placed by T_a_b (base
-/// frames); +∞ when either scan is empty.
+/// Mean squared distance [m²] from each point of `b` to its nearest neighbour in `a`, with b placed
+/// by T_a_b (base frames); +∞ when either scan is empty.
 double scanFitness(const Scan& a, const Scan& b, const Pose3& T_a_b);
 
 /// Isotropic covariance for a fitness, as above.
 Matrix6 fitnessCovariance(double fitness_m2, const OdometryNoiseParams& params);
 
-/// Covariance of the right tangent of T_a_b = T_odom_a⁻¹ T_odom_b. `path_m` and `path_rad` are the distance and angle
-/// travelled between the two; empty states mean that the log has no odometry there.
-Matrix6 relativeOdometryCovariance(const std::optional<OdometryState>& a, const std::optional<OdometryState>& b,
-                                   double path_m, double path_rad, const OdometryNoiseParams& params);
+/// Covariance of the right tangent of T_a_b = T_odom_a⁻¹ T_odom_b. `path_m` and `path_rad` are the
+/// distance and angle travelled between the two; empty states mean that the log has no odometry
+/// there.
+Matrix6 relativeOdometryCovariance(const std::optional<OdometryState>& a,
+                                   const std::optional<OdometryState>& b, double path_m,
+                                   double path_rad, const OdometryNoiseParams& params);
 
 }  // namespace dynemo

@@ -16,19 +16,22 @@ namespace dynemo {
 
 class RobotTracker {
  public:
-  /// `rawlog_odometry`: the log carries odometry. Throws ConfigError when the configured source is not to be had.
+  /// `rawlog_odometry`: the log carries odometry. Throws ConfigError when the configured source is
+  /// not to be had.
   RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry);
   ~RobotTracker();
 
-  /// First step of a frame: with LiDAR odometry, replaces the frame's and its images' odometry by the estimate, carried
-  /// to each stamp.
+  /// First step of a frame: with LiDAR odometry, replaces the frame's and its images' odometry by
+  /// the estimate, carried to each stamp.
   void estimate(SensorFrame& frame);
 
-  /// Second step, when the entities are detected: T_odom_base of the frame. Where there is no odometry the mapped
-  /// entities in view tell where the robot is, else it is taken to stand still.
-  Pose3 locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations, const CSceneGraph& graph);
+  /// Second step, when the entities are detected: T_odom_base of the frame. Where there is no
+  /// odometry the mapped entities in view tell where the robot is, else it is taken to stand still.
+  Pose3 locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations,
+               const CSceneGraph& graph);
 
-  /// Covariance of the right tangent of the motion since the last keyframe, for a keyframe made of this frame.
+  /// Covariance of the right tangent of the motion since the last keyframe, for a keyframe made of
+  /// this frame.
   Matrix6 covarianceSinceKeyframe(const SensorFrame& frame, const CSceneGraph& graph) const;
   void keyframeMade(const SensorFrame& frame);
 
@@ -39,10 +42,12 @@ class RobotTracker {
 
   RobotOdometryParams params_;
   std::unique_ptr<ScanOdometry> scan_odometry_;
-  std::optional<Pose3> T_level_odom_;  ///< LiDAR odometry starts with the base's axes, not with level ones
+  std::optional<Pose3>
+      T_level_odom_;  ///< LiDAR odometry starts with the base's axes, not with level ones
   std::optional<Pose3> last_T_odom_base_;
   std::optional<OdometryState> keyframe_odometry_;
-  /// LiDAR odometry: covariance accumulated since the last keyframe; empty when a scan failed in between.
+  /// LiDAR odometry: covariance accumulated since the last keyframe; empty when a scan failed in
+  /// between.
   std::optional<Matrix6> scan_covariance_;
   double path_m_ = 0.0, path_rad_ = 0.0;
   std::map<std::string, std::uint64_t> warnings_;

@@ -23,8 +23,8 @@ struct RunCost {
 
 class RunFolder {
  public:
-  /// Creates the folder and opens log.txt, timing.csv and optimizations.csv; writes config.yaml. Throws DataError when
-  /// it cannot.
+  /// Creates the folder and opens log.txt, timing.csv and optimizations.csv; writes config.yaml.
+  /// Throws DataError when it cannot.
   RunFolder(const std::filesystem::path& folder, const DynemoParams& params);
 
   void log(const std::string& line) { log_.line(line); }
@@ -34,15 +34,16 @@ class RunFolder {
 
   /// Writes the light results (trajectories, entities, summary) of a run that goes on.
   void checkpoint(SlamPipeline& pipeline, const IngestReport& ingest, const RunIdentity& identity);
-  /// Writes the configured outputs and summary.json. Tries every file even when one fails, then throws one DataError
-  /// that lists the failures.
-  void results(const SlamPipeline& pipeline, const IngestReport& ingest, const RunIdentity& identity);
+  /// Writes the configured outputs and summary.json. Tries every file even when one fails, then
+  /// throws one DataError that lists the failures.
+  void results(const SlamPipeline& pipeline, const IngestReport& ingest,
+               const RunIdentity& identity);
   /// Writes performance.json: means and maxima per stage, real-time factor, memory.
   void performance(const RunCost& cost);
 
  private:
-  void write(const std::vector<std::string>& outputs, const SlamPipeline& pipeline, const IngestReport& ingest,
-             const RunIdentity& identity);
+  void write(const std::vector<std::string>& outputs, const SlamPipeline& pipeline,
+             const IngestReport& ingest, const RunIdentity& identity);
 
   std::filesystem::path folder_;
   std::vector<std::string> outputs_;

@@ -29,8 +29,8 @@ struct OptimizationRecord {
 
 class SlamPipeline : public mrpt::system::COutputLogger {
  public:
-  /// `rawlog_odometry`: the frames carry the log's odometry. The entity models must outlive the pipeline. Throws
-  /// ConfigError on parameters that cannot work together.
+  /// `rawlog_odometry`: the frames carry the log's odometry. The entity models must outlive the
+  /// pipeline. Throws ConfigError on parameters that cannot work together.
   SlamPipeline(const DynemoParams& params, const EntityModels& models, bool rawlog_odometry);
   ~SlamPipeline() override;
 
@@ -46,7 +46,8 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   /// Frames so far; T_map_base is current as of the last finish().
   const std::vector<FramePose>& frames() const { return frames_; }
   RunResult result() const { return {graph_, frames_, entity_covariances_}; }
-  /// Covariance of the drift T_map_odom's right tangent as of the last finish(), when the gauge allows it.
+  /// Covariance of the drift T_map_odom's right tangent as of the last finish(), when the gauge
+  /// allows it.
   const std::optional<Matrix6>& driftCovariance() const { return drift_covariance_; }
   const std::vector<OptimizationRecord>& optimizations() const { return optimizations_; }
   /// Counted warnings of all stages.
@@ -61,7 +62,8 @@ class SlamPipeline : public mrpt::system::COutputLogger {
 
   void estimateMotion(SensorFrame& frame, FrameTiming& timing);
   std::vector<EntityObservation> detect(const SensorFrame& frame, FrameTiming& timing);
-  RobotState locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations, FrameTiming& timing);
+  RobotState locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations,
+                    FrameTiming& timing);
   std::uint32_t decide(const SensorFrame& frame, const RobotState& robot,
                        const std::vector<EntityObservation>& observations, FrameTiming& timing);
   void record(const SensorFrame& frame, const RobotState& robot);
@@ -70,8 +72,9 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   void map(const KeyframeData& keyframe, FrameTiming& timing);
   void optimize(const SensorFrame& frame, FrameTiming& timing);
 
-  std::map<EntityId, Matrix6> relativeCovariances(const std::vector<EntityObservation>& observations,
-                                                  const RobotState& robot, const Matrix6& odometry_covariance);
+  std::map<EntityId, Matrix6> relativeCovariances(
+      const std::vector<EntityObservation>& observations, const RobotState& robot,
+      const Matrix6& odometry_covariance);
   std::optional<double> groundLevel(const SensorFrame& frame, const RobotState& robot) const;
   void runOptimizer(std::uint64_t frame_index, Stamp stamp);
   void updateCovariances();
@@ -85,7 +88,8 @@ class SlamPipeline : public mrpt::system::COutputLogger {
 
   CSceneGraph graph_;
   std::vector<FramePose> frames_;
-  std::vector<std::size_t> keyframe_of_frame_;  ///< index of the latest keyframe at or before each frame
+  std::vector<std::size_t>
+      keyframe_of_frame_;  ///< index of the latest keyframe at or before each frame
   std::map<NodeId, Matrix6> entity_covariances_;
   std::optional<Matrix6> drift_covariance_;
   std::vector<OptimizationRecord> optimizations_;

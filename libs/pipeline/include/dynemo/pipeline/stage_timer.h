@@ -7,7 +7,16 @@
 namespace dynemo {
 
 /// Stages of one frame, in the order of the data flow.
-enum class Stage { kIngest, kOdometry, kDetection, kKeyframe, kFragments, kMapping, kOptimization, kCount };
+enum class Stage {
+  kIngest,
+  kOdometry,
+  kDetection,
+  kKeyframe,
+  kFragments,
+  kMapping,
+  kOptimization,
+  kCount
+};
 
 constexpr std::array<const char*, static_cast<std::size_t>(Stage::kCount)> kStageNames = {
     "ingest", "odometry", "detection", "keyframe", "fragments", "mapping", "optimization"};
@@ -28,7 +37,8 @@ class ScopedStage {
  public:
   ScopedStage(FrameTiming& timing, Stage stage) : out_(timing[stage]) {}
   ~ScopedStage() {
-    out_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    out_ += std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_)
+                .count();
   }
   ScopedStage(const ScopedStage&) = delete;
   ScopedStage& operator=(const ScopedStage&) = delete;
