@@ -17,6 +17,8 @@ constexpr std::size_t kMaxSample = 400;
 constexpr std::size_t kMinSupport = 12;
 constexpr float kMaxGroundTilt_rad = 0.2F;
 constexpr float kGroundSearch_m = 0.3F;  ///< around the expected height
+/// How many times the points of the ground outnumber those of an equal slice above it.
+constexpr float kGroundContrast = 1.5F;
 constexpr float kMaxWallLean_rad = 0.2F;
 constexpr float kBin_m = 0.1F;
 constexpr int kMaxWalls = 3;
@@ -87,6 +89,15 @@ std::optional<LocalPlane> planeThrough(const Vector3f& on_plane, const Vector3f&
   return LocalPlane{normal / length, -normal.dot(on_plane) / length};
 }
 
+/// Level enough, and not just a slice through upright faces, of which the next slice above would
+/// hold as much.
+bool isGround(std::span<const Vector3f> points, const LocalPlane& plane, float tolerance) {
+  if (plane.normal.z() < std::cos(kMaxGroundTilt_rad)) return false;
+  const LocalPlane above{plane.normal, plane.offset - 2.0F * tolerance};
+  return static_cast<float>(countInliers(points, plane, tolerance)) >
+         kGroundContrast * static_cast<float>(countInliers(points, above, tolerance));
+}
+
 float lowHeight(std::span<const Vector3f> points) {
   constexpr std::size_t kOneIn = 50;  // a few returns below the ground are noise
   std::vector<float> heights;
@@ -150,7 +161,7 @@ LocalPlane findGround(std::span<const Vector3f> points, std::optional<double> ex
   });
   if (best.support < kMinSupport) return level;
   const LocalPlane fitted = refit(low, best.plane, tolerance);
-  return fitted.normal.z() < std::cos(kMaxGroundTilt_rad) ? best.plane : fitted;
+  return isGround(low, fitted, tolerance) ? fitted : level;
 }
 
 void dropWalls(std::span<const Vector3f> points, const Vector3f& up, const FragmentParams& params,
