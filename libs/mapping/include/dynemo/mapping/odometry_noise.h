@@ -38,8 +38,8 @@ struct OdometryNoiseParams {
   double fitness_min_sigma_rad = 0.4, fitness_max_sigma_rad = 1.6;
   /// Least uncertainty of LiDAR odometry between two keyframes: its Hessian knows nothing of wrong
   /// associations.
-  double lidar_min_sigma_m = 0.002;
-  double lidar_min_sigma_rad = 0.0005;
+  double lidar_min_sigma_m = 0.0005;
+  double lidar_min_sigma_rad = 0.00017;
   /// Between keyframes where the odometry is missing.
   double missing_sigma_m = 2.0;
   double missing_sigma_rad = 1.0;
