@@ -6,20 +6,13 @@
 
 #include "dynemo/core/noise.h"
 #include "dynemo/odometry/adaptive_threshold.h"
+#include "dynemo/odometry/point_times.h"
 #include "dynemo/odometry/worker_pool.h"
 #include "first_sweeps.h"
 #include "relative_covariance.h"
 
 namespace dynemo {
 namespace {
-
-/// One sweep, its point times and their middle.
-struct Sweep {
-  Scan scan;
-  std::vector<float> times_s;
-  double middle_s = 0.0;
-  PointIndices ignored;
-};
 
 /// What is known about the base at one scan.
 struct ScanState {
@@ -40,8 +33,7 @@ struct ScanState {
 class LocalMapOdometry final : public ScanOdometry {
  public:
   explicit LocalMapOdometry(const OdometryParams& params)
-      : point_times_(params.point_times),
-        params_(params.local_map),
+      : params_(params.local_map),
         pool_(params.threads),
         map_(params.local_map.map),
         threshold_(params.local_map.initial_sigma_m, params.local_map.sigma_memory) {}
@@ -60,8 +52,10 @@ class LocalMapOdometry final : public ScanOdometry {
 
   Expected<OdometryEstimate, OdometryFailure> begin(const ScanState& now);
   Expected<OdometryEstimate, OdometryFailure> lose(OdometryFailure why, const Predicted& predicted);
-  Predicted predict(const Sweep& sweep, const std::optional<Pose3>& T_log_base) const;
-  SurfacePoints surfaceOf(const Sweep& sweep, const SweepMotion& motion);
+  Predicted predict(const Scan& scan, const std::optional<Pose3>& T_log_base) const;
+  bool timed(const Scan& scan) const {
+    return params_.deskew && scan.cloud.time_offset_s.size() == scan.cloud.size();
+  }
   RegistrationPrior priorOf(const Predicted& predicted) const;
   Expected<Registration, OdometryFailure> match(const SurfacePoints& surface,
                                                 const Predicted& predicted);
@@ -74,7 +68,6 @@ class LocalMapOdometry final : public ScanOdometry {
   }
   void forgetFarCells(const Vector3& center);
 
-  PointTimeParams point_times_;
   LocalMapParams params_;
   WorkerPool pool_;
   VoxelHashMap map_;
@@ -82,7 +75,6 @@ class LocalMapOdometry final : public ScanOdometry {
   std::optional<ScanState> last_;
   /// Until the map's beginning is settled.
   std::optional<FirstSweeps> first_;
-  Sweep sweep_;
   SurfacePoints surface_;
   int lost_scans_ = 0;
   Vector3 last_forgetting_ = Vector3::Zero();
@@ -94,14 +86,15 @@ Expected<OdometryEstimate, OdometryFailure> LocalMapOdometry::update(
   if (last_ && scan.stamp <= last_->stamp) {
     return make_unexpected(OdometryFailure::kStampNotIncreasing);
   }
-  sweep_ = {scan, pointTimes(scan.cloud, point_times_), 0.0, {ignored.begin(), ignored.end()}};
-  sweep_.middle_s = middleOfSweep(sweep_.times_s);
   std::optional<Pose3> T_log_base;
   if (rawlog_odometry && rawlog_odometry->T_odom_base.isFinite())
     T_log_base = rawlog_odometry->T_odom_base;
 
-  const Predicted predicted = predict(sweep_, T_log_base);
-  surface_ = surfaceOf(sweep_, predicted.state.motion);
+  const Predicted predicted = predict(scan, T_log_base);
+  const std::span<const float> times_s =
+      timed(scan) ? std::span<const float>(scan.cloud.time_offset_s) : std::span<const float>();
+  surface_ = extractSurface(scan, times_s, predicted.state.middle_s, predicted.state.motion,
+                            ignored, params_.surface, pool_);
   if (surface_.size() < static_cast<std::size_t>(params_.min_points)) {
     return make_unexpected(OdometryFailure::kTooFewPoints);
   }
@@ -162,16 +155,16 @@ Expected<OdometryEstimate, OdometryFailure> LocalMapOdometry::lose(OdometryFailu
 }
 
 LocalMapOdometry::Predicted LocalMapOdometry::predict(
-    const Sweep& sweep, const std::optional<Pose3>& T_log_base) const {
+    const Scan& scan, const std::optional<Pose3>& T_log_base) const {
   Predicted p;
-  p.state.stamp = sweep.scan.stamp;
-  p.state.middle_s = sweep.middle_s;
+  p.state.stamp = scan.stamp;
+  p.state.middle_s = timed(scan) ? middleOfSweep(scan.cloud) : 0.0;
   p.state.T_log_base = T_log_base;
   p.velocity_known = false;
   p.dt_s = 0.0;
   p.covariance = Matrix6::Zero();
   if (!last_) return p;
-  p.dt_s = secondsBetween(last_->stamp, sweep.scan.stamp);
+  p.dt_s = secondsBetween(last_->stamp, scan.stamp);
   const bool by_log =
       params_.prediction.source == Prediction::kRawlogOdometry && T_log_base && last_->T_log_base;
   p.velocity_known = by_log || p.dt_s <= params_.prediction.max_gap_s;
@@ -197,11 +190,6 @@ LocalMapOdometry::Predicted LocalMapOdometry::predict(
       params_.prediction.sigma_acceleration_m_s2 * dt2,
       std::min(std::numbers::pi, params_.prediction.sigma_angular_acceleration_rad_s2 * dt2));
   return p;
-}
-
-SurfacePoints LocalMapOdometry::surfaceOf(const Sweep& sweep, const SweepMotion& motion) {
-  return extractSurface(sweep.scan, sweep.times_s, sweep.middle_s, motion, sweep.ignored,
-                        params_.surface, pool_);
 }
 
 RegistrationPrior LocalMapOdometry::priorOf(const Predicted& predicted) const {

@@ -9,10 +9,10 @@ NormalEquations::Terms NormalEquations::termsOf(const Vector6& a, const Weighted
     const double scaled = r.weight_normal * a[row];
     for (int col = row; col < 6; ++col) terms[entry++] = scaled * a[col];
   }
-  terms[entry++] = r.weight_isotropic;
-  for (int row = 0; row < 3; ++row) terms[entry++] = r.weight_isotropic * r.s[row];
+  terms[entry++] = r.weight;
+  for (int row = 0; row < 3; ++row) terms[entry++] = r.weight * r.s[row];
   for (int row = 0; row < 3; ++row) {
-    for (int col = row; col < 3; ++col) terms[entry++] = r.weight_isotropic * r.s[row] * r.s[col];
+    for (int col = row; col < 3; ++col) terms[entry++] = r.weight * r.s[row] * r.s[col];
   }
   terms[entry] = 0.0;
   return terms;
@@ -23,7 +23,7 @@ void NormalEquations::add(const WeightedResidual& r) {
   a << r.b, r.s.cross(r.b);
   pull << r.e, r.s.cross(r.e);
   const Terms terms = termsOf(a, r);
-  const Vector6 force = (r.weight_normal * r.along_normal) * a + r.weight_isotropic * pull;
+  const Vector6 force = (r.weight_normal * r.along_normal) * a + (isotropy_ * r.weight) * pull;
   sums_[0] += terms;
   gradient_[0] += force;
   double power = 1.0;
@@ -32,9 +32,9 @@ void NormalEquations::add(const WeightedResidual& r) {
     sums_[k] += power * terms;
     if (k <= kDegree) gradient_[k] += power * force;
   }
-  weight_sum += r.weight_normal;
+  normal_weight += r.weight_normal;
+  weight += r.weight;
   squared_residuals += r.weight_normal * r.along_normal * r.along_normal;
-  squared_levers += r.weight_normal * r.s.squaredNorm();
 }
 
 void NormalEquations::add(const NormalEquations& other) {
@@ -42,9 +42,9 @@ void NormalEquations::add(const NormalEquations& other) {
   for (std::size_t k = 0; k < gradient_.size(); ++k) gradient_[k] += other.gradient_[k];
   matched += other.matched;
   inliers += other.inliers;
-  weight_sum += other.weight_sum;
+  normal_weight += other.normal_weight;
+  weight += other.weight;
   squared_residuals += other.squared_residuals;
-  squared_levers += other.squared_levers;
 }
 
 Matrix6 NormalEquations::normalPart(int order) const {
@@ -57,7 +57,7 @@ Matrix6 NormalEquations::normalPart(int order) const {
   return H;
 }
 
-Matrix6 NormalEquations::hessian(int order) const {
+Matrix6 NormalEquations::massPart(int order) const {
   const Terms& terms = sums_[static_cast<std::size_t>(order)];
   const double mass = terms[kUpper];
   const Matrix3 cross = skew(terms.segment<3>(kUpper + 1).matrix());
@@ -67,11 +67,8 @@ Matrix6 NormalEquations::hessian(int order) const {
     for (int col = row; col < 3; ++col) inertia(row, col) = inertia(col, row) = terms[entry++];
   }
   // AᵀA = [I, −[s]×; [s]×, |s|² I − s sᵀ].
-  Matrix6 H = normalPart(order);
-  H.topLeftCorner<3, 3>() += mass * Matrix3::Identity();
-  H.topRightCorner<3, 3>() -= cross;
-  H.bottomLeftCorner<3, 3>() += cross;
-  H.bottomRightCorner<3, 3>() += inertia.trace() * Matrix3::Identity() - inertia;
+  Matrix6 H;
+  H << mass * Matrix3::Identity(), -cross, cross, inertia.trace() * Matrix3::Identity() - inertia;
   return H;
 }
 

@@ -16,9 +16,9 @@ namespace dynemo {
 /// One correspondence, weighted.
 struct WeightedResidual {
   Vector3 e, s, b;
-  double along_normal;      ///< b · e
-  double weight_normal;     ///< w k
-  double weight_isotropic;  ///< w ε
+  double along_normal;   ///< b · e
+  double weight;         ///< w
+  double weight_normal;  ///< w k
   double tau_s;
 };
 
@@ -27,25 +27,27 @@ class NormalEquations {
   /// Highest power of τ in the motion.
   static constexpr int kDegree = 2;
 
-  /// A scan of one instant needs the sums of order 0 only.
-  explicit NormalEquations(bool timed) : degree_(timed ? kDegree : 0) {}
+  /// A scan of one instant needs the sums of order 0 only; `isotropy` is ε.
+  NormalEquations(bool timed, double isotropy)
+      : degree_(timed ? kDegree : 0), isotropy_(isotropy) {}
 
   void add(const WeightedResidual& r);
   void add(const NormalEquations& other);
 
-  /// Σ τᵏ AᵀMA without the isotropic part (order 0), and with it.
+  /// Σ wk a aᵀ and Σ w AᵀA.
   Matrix6 normalHessian() const { return normalPart(0); }
-  Matrix6 hessian(int order) const;
+  Matrix6 massMatrix() const { return massPart(0); }
+  /// Σ τᵏ AᵀMA.
+  Matrix6 hessian(int order) const { return normalPart(order) + isotropy_ * massPart(order); }
   /// Σ τᵏ AᵀM e.
   const Vector6& gradient(int order) const { return gradient_[static_cast<std::size_t>(order)]; }
 
   std::size_t matched = 0, inliers = 0;
-  double weight_sum = 0.0;
-  /// Σ w k (b·e)² and Σ w k |s|².
-  double squared_residuals = 0.0, squared_levers = 0.0;
+  /// Σ w k, Σ w, Σ w k (b·e)².
+  double normal_weight = 0.0, weight = 0.0, squared_residuals = 0.0;
 
  private:
-  /// Per order: the upper triangle of Σ wk a aᵀ (21), Σ wε (1), Σ wε s (3), the upper triangle of Σ
+  /// Per order: the upper triangle of Σ wk a aᵀ (21), Σ w (1), Σ w s (3), the upper triangle of Σ
   /// wε s sᵀ (6).
   static constexpr int kUpper = 21;
   static constexpr int kTerms = kUpper + 10;
@@ -53,8 +55,10 @@ class NormalEquations {
 
   static Terms termsOf(const Vector6& a, const WeightedResidual& r);
   Matrix6 normalPart(int order) const;
+  Matrix6 massPart(int order) const;
 
   int degree_;
+  double isotropy_;
   std::array<Terms, 2 * kDegree + 1> sums_{Terms::Zero(), Terms::Zero(), Terms::Zero(),
                                            Terms::Zero(), Terms::Zero()};
   std::array<Vector6, kDegree + 1> gradient_{Vector6::Zero(), Vector6::Zero(), Vector6::Zero()};

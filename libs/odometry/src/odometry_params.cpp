@@ -31,6 +31,7 @@ void fields(FieldVisitor& v, PredictionParams& p) {
 }
 
 void fields(FieldVisitor& v, LocalMapParams& p) {
+  v.flag("deskew", p.deskew, "Use the times of the points, where scans have them");
   v.section("prediction", p.prediction, "Prediction of the next pose");
   v.section("surface", p.surface, "Reduction of scans to points with normals");
   v.section("map", p.map, "The local map");
@@ -71,7 +72,6 @@ void fields(FieldVisitor& v, OdometryParams& p) {
   v.text("method", p.method, "local_map or keyframe_gicp");
   v.integer("threads", p.threads, "Threads of the registration; the result does not depend on it",
             Range::between(1, 64));
-  v.section("point_times", p.point_times, "Times of the points within a sweep");
   v.section("local_map", p.local_map, "Scan to local map");
   v.section("keyframe_gicp", p.keyframe_gicp, "Scan to keyframe, as the baseline");
 }

@@ -18,8 +18,16 @@ constexpr std::size_t kBlock = 256;
 /// [pose; twist; acceleration].
 using Vector18 = Eigen::Matrix<double, 18, 1>;
 using Matrix18 = MotionCovariance;
+/// Keeps the metric regular when all points lie on a line through the base [m²].
+constexpr double kMassFloor = 1e-4;
 /// Factors of the powers of τ in the motion.
 constexpr std::array<double, NormalEquations::kDegree + 1> kTaylor{1.0, 1.0, 0.5};
+
+Matrix6 bodyToWorld(const Matrix3& R) {
+  Matrix6 world = Matrix6::Zero();
+  world.topLeftCorner<3, 3>() = world.bottomRightCorner<3, 3>() = R;
+  return world;
+}
 
 struct Iterate {
   Pose3 T_target_base;
@@ -32,17 +40,17 @@ struct Strictness {
   double kernel_m;
 };
 
-/// The equations of one step: rotations scaled to lengths, world axes.
+/// The equations of one step, in coordinates y of each of the three perturbations d = S y in world
+/// axes, such that |y| is the root mean square displacement of the points in metres.
 struct System {
-  double lever_m = 1.0;
+  Matrix6 S = Matrix6::Identity();
   Matrix18 information = Matrix18::Zero();
   Vector18 pull = Vector18::Zero();
 
-  /// Factors that turn the unknowns back into radians.
-  Vector18 unscale() const {
-    Vector18 u = Vector18::Ones();
-    for (int i = 3; i < 18; i += 6) u.segment<3>(i).setConstant(1.0 / lever_m);
-    return u;
+  Matrix18 allOfS() const {
+    Matrix18 all = Matrix18::Zero();
+    for (int i = 0; i < 18; i += 6) all.block<6, 6>(i, i) = S;
+    return all;
   }
 };
 
@@ -94,24 +102,21 @@ Strictness Solver::strictnessAt(int iteration) const {
 bool Solver::weigh(const Correspondence& match, const Eigen::Vector3f& normal, double kernel_m,
                    WeightedResidual& r) const {
   const Vector3 target_normal = match.normal.cast<double>();
+  const double cosine = std::clamp(target_normal.dot(normal.cast<double>()), -1.0, 1.0);
+  const double agreement = std::abs(cosine);
   if (params_.metric == RegistrationMetric::kPlane) {
     r.b = target_normal;
     r.weight_normal = 1.0;
-    r.weight_isotropic = 0.0;
   } else {
-    double cosine = target_normal.dot(normal.cast<double>());
-    const double sign = cosine < 0.0 ? -1.0 : 1.0;
-    cosine = std::min(1.0, std::abs(cosine));
     const double delta = params_.plane_thickness;
-    r.b = (target_normal + sign * normal.cast<double>()).normalized();
-    r.weight_normal = 2.0 * delta / (2.0 - (1.0 - delta) * (1.0 + cosine)) - delta;
-    r.weight_isotropic = delta;
+    r.b = (target_normal + std::copysign(1.0, cosine) * normal.cast<double>()).normalized();
+    r.weight_normal = 2.0 * delta / (2.0 - (1.0 - delta) * (1.0 + agreement)) - delta;
   }
   r.along_normal = r.b.dot(r.e);
   const double ratio = r.along_normal / kernel_m;
   const double cauchy = 1.0 / (1.0 + ratio * ratio);
+  r.weight = cauchy;
   r.weight_normal *= cauchy;
-  r.weight_isotropic *= cauchy;
   return cauchy > 0.5;
 }
 
@@ -141,7 +146,8 @@ void Solver::linearizeBlock(const Iterate& at, const Strictness& strictness, std
 }
 
 NormalEquations Solver::linearize(const Iterate& at, const Strictness& strictness) const {
-  const NormalEquations zero(scan_.timed());
+  const bool planar = params_.metric == RegistrationMetric::kPlane;
+  const NormalEquations zero(scan_.timed(), planar ? 0.0 : params_.plane_thickness);
   std::vector<NormalEquations> partial((scan_.size() + kBlock - 1) / kBlock, zero);
   pool_.blocks(scan_.size(), kBlock, [&](std::size_t block, std::size_t begin, std::size_t end) {
     linearizeBlock(at, strictness, begin, end, partial[block]);
@@ -154,18 +160,16 @@ NormalEquations Solver::linearize(const Iterate& at, const Strictness& strictnes
 /// The scan's own information, in the directions it observes.
 void Solver::addData(const NormalEquations& sums, System& system) const {
   const double variance = std::max(params_.min_residual_m * params_.min_residual_m,
-                                   sums.squared_residuals / sums.weight_sum);
-  const Vector6 unscale = system.unscale().head<6>();
+                                   sums.squared_residuals / sums.normal_weight);
+  const Matrix6 observed = system.S * degeneracy_.projector;
   const int degree = scan_.timed() ? NormalEquations::kDegree : 0;
   for (int i = 0; i <= degree; ++i) {
-    const double factor_i = kTaylor[static_cast<std::size_t>(i)];
-    system.pull.segment<6>(6 * i) =
-        factor_i / variance * (degeneracy_.projector * unscale.cwiseProduct(sums.gradient(i)));
+    const double factor_i = kTaylor[static_cast<std::size_t>(i)] / variance;
+    system.pull.segment<6>(6 * i) = factor_i * (observed.transpose() * sums.gradient(i));
     for (int j = 0; j <= degree; ++j) {
-      const Matrix6 H = unscale.asDiagonal() * sums.hessian(i + j) * unscale.asDiagonal();
       system.information.block<6, 6>(6 * i, 6 * j) =
-          factor_i * kTaylor[static_cast<std::size_t>(j)] / variance *
-          (degeneracy_.projector * H * degeneracy_.projector);
+          factor_i * kTaylor[static_cast<std::size_t>(j)] *
+          (observed.transpose() * sums.hessian(i + j) * observed);
     }
   }
 }
@@ -173,42 +177,42 @@ void Solver::addData(const NormalEquations& sums, System& system) const {
 /// Carries the unobserved directions of the pose.
 void Solver::addPosePrior(const Iterate& at, System& system) const {
   if (!degeneracy_.any()) return;
-  Matrix6 world = Matrix6::Zero();  // tangent in the base's axes → scaled world axes
-  world.topLeftCorner<3, 3>() = at.T_target_base.R;
-  world.bottomRightCorner<3, 3>() = system.lever_m * at.T_target_base.R;
+  const Matrix6 world = bodyToWorld(at.T_target_base.R);
   const Matrix6 unobserved = Matrix6::Identity() - degeneracy_.projector;
+  const Matrix6 J = system.S.inverse() * world;
   const Matrix6 information =
-      unobserved * (world * prior_.covariance * world.transpose()).inverse() * unobserved;
+      unobserved * (J * prior_.covariance * J.transpose()).inverse() * unobserved;
   system.information.topLeftCorner<6, 6>() += information;
-  system.pull.head<6>() += information * (world * local(at.T_target_base, prior_.T_target_base));
+  system.pull.head<6>() += information * (J * local(at.T_target_base, prior_.T_target_base));
 }
 
 void Solver::addMotionPrior(const Iterate& at, System& system) const {
-  const Matrix3& R = at.T_target_base.R;
+  const Matrix6 world = bodyToWorld(at.T_target_base.R);
   const auto add = [&](int offset, const BodyTwist& expected, const BodyTwist& now,
                        double sigma_linear, double sigma_angular) {
-    Vector6 information, error;
+    Vector6 information;
     information << Vector3::Constant(std::pow(sigma_linear, -2)),
-        Vector3::Constant(std::pow(system.lever_m * sigma_angular, -2));
-    error << R * (expected.linear_m_s - now.linear_m_s),
-        system.lever_m * (R * (expected.angular_rad_s - now.angular_rad_s));
-    system.information.diagonal().segment<6>(offset) += information;
-    system.pull.segment<6>(offset) += information.cwiseProduct(error);
+        Vector3::Constant(std::pow(sigma_angular, -2));
+    const Matrix6 weighted = system.S.transpose() * information.asDiagonal();
+    system.information.block<6, 6>(offset, offset) += weighted * system.S;
+    system.pull.segment<6>(offset) += weighted * (world * (expected.vector() - now.vector()));
   };
   add(6, prior_.motion.twist, at.motion.twist, prior_.sigma_linear_m_s, prior_.sigma_angular_rad_s);
   add(12, prior_.motion.acceleration, at.motion.acceleration, prior_.sigma_acceleration_m_s2,
       prior_.sigma_angular_acceleration_rad_s2);
 }
 
-/// Gauss–Newton in world axes with the rotations scaled by the points' mean lever arm, so that all
-/// unknowns are lengths and the degeneracy test compares like with like.
+/// Gauss–Newton with the displacement of the points as the metric of the perturbations: the
+/// degeneracy test then compares, for any direction, how much of the displacement shows along the
+/// normals.
 System Solver::buildSystem(const Iterate& at, const NormalEquations& sums) {
   System system;
-  system.lever_m = std::sqrt(std::max(1e-6, sums.squared_levers / sums.weight_sum));
-  const Vector6 unscale = system.unscale().head<6>();
-  degeneracy_ = findDegeneracy(
-      unscale.asDiagonal() * sums.normalHessian() * unscale.asDiagonal() / sums.weight_sum,
-      params_.min_observed_share);
+  const Matrix6 mass = sums.massMatrix() / sums.weight + kMassFloor * Matrix6::Identity();
+  const Matrix6 L = mass.llt().matrixL();
+  system.S = L.transpose().inverse();
+  degeneracy_ =
+      findDegeneracy(system.S.transpose() * sums.normalHessian() * system.S / sums.normal_weight,
+                     params_.min_observed_share);
   addData(sums, system);
   addPosePrior(at, system);
   addMotionPrior(at, system);
@@ -241,7 +245,7 @@ Registration Solver::result(const Iterate& at, const System& system, const Norma
   Registration found;
   found.T_target_base = at.T_target_base;
   found.motion = at.motion;
-  const Matrix18 J = axes * system.unscale().asDiagonal();
+  const Matrix18 J = axes * system.allOfS();
   found.covariance =
       J * Eigen::LDLT<Matrix18>(system.information).solve(Matrix18::Identity()) * J.transpose();
   if (!scan_.timed()) {
@@ -251,9 +255,9 @@ Registration Solver::result(const Iterate& at, const System& system, const Norma
   OdometryDiagnostics& diagnostics = found.diagnostics;
   diagnostics.points = scan_.size();
   diagnostics.inlier_ratio = static_cast<double>(sums.inliers) / static_cast<double>(scan_.size());
-  diagnostics.residual_rms_m = std::sqrt(sums.squared_residuals / sums.weight_sum);
+  diagnostics.residual_rms_m = std::sqrt(sums.squared_residuals / sums.normal_weight);
   diagnostics.iterations = iterations;
-  diagnostics.degenerate_directions = axes.topLeftCorner<6, 6>() * degeneracy_.directions;
+  diagnostics.degenerate_directions = J.topLeftCorner<6, 6>() * degeneracy_.directions;
   return found;
 }
 
@@ -263,12 +267,12 @@ Expected<Registration, OdometryFailure> Solver::run() {
     const Strictness strictness = strictnessAt(iteration);
     const NormalEquations sums = linearize(at, strictness);
     if (sums.matched < static_cast<std::size_t>(params_.min_correspondences) ||
-        !(sums.weight_sum > 0.0)) {
+        !(sums.normal_weight > 0.0)) {
       return make_unexpected(OdometryFailure::kNoOverlap);
     }
     const System system = buildSystem(at, sums);
     const Vector18 step =
-        system.unscale().cwiseProduct(Eigen::LDLT<Matrix18>(system.information).solve(system.pull));
+        system.allOfS() * Eigen::LDLT<Matrix18>(system.information).solve(system.pull);
     if (!step.allFinite()) break;
     apply(step, at);
     const bool last = iteration + 1 == params_.max_iterations;

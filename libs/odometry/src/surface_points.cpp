@@ -30,7 +30,7 @@ struct Reduced {
   std::vector<Leaf> leaves;
 };
 
-Reduced reduce(const Scan& scan, const std::vector<float>& times_s, float reference_s,
+Reduced reduce(const Scan& scan, std::span<const float> times_s, float reference_s,
                std::span<const std::uint32_t> ignored, const SurfaceParams& params) {
   Reduced reduced;
   const Eigen::Matrix3f R = scan.T_base_lidar.R.cast<float>();
@@ -79,8 +79,8 @@ SurfacePoints meansOf(const std::vector<Leaf>& leaves, bool timed) {
 /// The means in the cube of leaves around one, nearest first as far as the k-th.
 class Neighborhood {
  public:
-  Neighborhood(const Reduced& reduced, const std::vector<Eigen::Vector3f>& points)
-      : reduced_(reduced), points_(points) {}
+  Neighborhood(const Reduced& reduced, const std::vector<Eigen::Vector3f>& points, float radius_m)
+      : reduced_(reduced), points_(points), radius2_(radius_m * radius_m) {}
 
   std::span<const std::uint32_t> nearest(std::uint32_t center, std::size_t k) {
     size_ = 0;
@@ -111,21 +111,23 @@ class Neighborhood {
 
   void addLeaf(std::uint32_t center, std::uint32_t leaf) {
     if (leaf == CellIndex::kNone) return;
-    candidates_[size_++] = {(points_[leaf] - points_[center]).squaredNorm(), leaf};
+    const float distance2 = (points_[leaf] - points_[center]).squaredNorm();
+    if (distance2 <= radius2_) candidates_[size_++] = {distance2, leaf};
   }
 
   const Reduced& reduced_;
   const std::vector<Eigen::Vector3f>& points_;
+  float radius2_;
   std::array<std::pair<float, std::uint32_t>, kMaxNeighborhood> candidates_;
   std::array<std::uint32_t, kMaxNeighborhood> result_;
   std::size_t size_ = 0;
 };
 
-/// Unit normal of the plane through the points; empty when they form no plane.
+/// Unit normal of the plane through the points, at least kMinNeighbors; empty when they form no
+/// plane.
 std::optional<Eigen::Vector3f> fitNormal(const std::vector<Eigen::Vector3f>& points,
                                          std::span<const std::uint32_t> members,
                                          float max_flatness) {
-  if (members.size() < kMinNeighbors) return std::nullopt;
   const Eigen::Vector3f origin = points[members[0]];
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
@@ -141,6 +143,34 @@ std::optional<Eigen::Vector3f> fitNormal(const std::vector<Eigen::Vector3f>& poi
   const Eigen::Vector3f& spread = solver.eigenvalues();
   if (!(spread[1] > 0.0F && spread[0] <= max_flatness * spread[1])) return std::nullopt;
   return solver.eigenvectors().col(0);
+}
+
+/// Ratio of the smaller to the larger variance of the directions in which the sensor sees the
+/// points. Points of a single scan line always lie in a plane, the line's own, whatever they lie
+/// on.
+float viewSpread(const std::vector<Eigen::Vector3f>& points, std::span<const std::uint32_t> members,
+                 const Eigen::Vector3f& sensor) {
+  const Eigen::Vector3f center = (points[members[0]] - sensor).normalized();
+  const Eigen::Vector3f u = center.unitOrthogonal();
+  const Eigen::Vector3f v = center.cross(u);
+  float su = 0, sv = 0, suu = 0, suv = 0, svv = 0;
+  for (const std::uint32_t i : members) {
+    const Eigen::Vector3f ray = points[i] - sensor;
+    const float scale = 1.0F / ray.dot(center);
+    const float a = ray.dot(u) * scale, b = ray.dot(v) * scale;
+    su += a;
+    sv += b;
+    suu += a * a;
+    suv += a * b;
+    svv += b * b;
+  }
+  const auto n = static_cast<float>(members.size());
+  suu -= su * su / n;
+  suv -= su * sv / n;
+  svv -= sv * sv / n;
+  const float mean = 0.5F * (suu + svv);
+  const float half_gap = std::hypot(0.5F * (suu - svv), suv);
+  return mean + half_gap > 0.0F ? (mean - half_gap) / (mean + half_gap) : 0.0F;
 }
 
 /// Keeps the entries that have a normal, in order.
@@ -178,30 +208,39 @@ void fields(FieldVisitor& v, SurfaceParams& p) {
   v.integer("normal_neighbors", p.normal_neighbors,
             "Nearest averaged points, itself included, that a normal is fitted to",
             Range::between(static_cast<double>(kMinNeighbors), 60));
+  v.number("normal_radius_m", p.normal_radius_m,
+           "Farther points take no part in a fit, up to two leaves: scan lines wide apart would be "
+           "joined to "
+           "surfaces that do not exist",
+           Range::positive());
   v.number("max_flatness", p.max_flatness,
            "Largest ratio of the smallest to the middle eigenvalue of the fit: above it the "
            "neighbours form a line or "
            "a blob and the point is left out",
            {0.0, 1.0, true});
+  v.number("min_view_spread", p.min_view_spread,
+           "Smallest ratio of the variances of the neighbours' directions seen from the sensor: "
+           "below it they all "
+           "belong to one scan line and the point is left out",
+           Range::between(0.0, 1.0));
 }
 
-SurfacePoints extractSurface(const Scan& scan, const std::vector<float>& times_s,
-                             double reference_s, const SweepMotion& motion,
-                             std::span<const std::uint32_t> ignored, const SurfaceParams& params,
-                             WorkerPool& pool) {
-  const bool timed = !times_s.empty() && times_s.size() == scan.cloud.size();
-  static const std::vector<float> kNoTimes;
-  const Reduced reduced =
-      reduce(scan, timed ? times_s : kNoTimes, static_cast<float>(reference_s), ignored, params);
-  SurfacePoints surface = meansOf(reduced.leaves, timed);
+SurfacePoints extractSurface(const Scan& scan, std::span<const float> times_s, double reference_s,
+                             const SweepMotion& motion, std::span<const std::uint32_t> ignored,
+                             const SurfaceParams& params, WorkerPool& pool) {
+  const Reduced reduced = reduce(scan, times_s, static_cast<float>(reference_s), ignored, params);
+  SurfacePoints surface = meansOf(reduced.leaves, !times_s.empty());
   surface.normals.assign(surface.size(), Eigen::Vector3f::Zero());
   const std::vector<Eigen::Vector3f> still = atReference(surface, motion);
+  const auto min_spread = static_cast<float>(params.min_view_spread);
   const Eigen::Vector3f sensor = scan.T_base_lidar.t.cast<float>();
   pool.blocks(surface.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
-    Neighborhood neighborhood(reduced, still);
+    Neighborhood neighborhood(reduced, still, static_cast<float>(params.normal_radius_m));
     for (std::size_t i = begin; i < end; ++i) {
       const auto members = neighborhood.nearest(static_cast<std::uint32_t>(i),
                                                 static_cast<std::size_t>(params.normal_neighbors));
+      if (members.size() < kMinNeighbors || viewSpread(still, members, sensor) < min_spread)
+        continue;
       const auto normal = fitNormal(still, members, static_cast<float>(params.max_flatness));
       if (normal)
         surface.normals[i] =

@@ -5,8 +5,7 @@
 
 namespace dynemo {
 
-/// The split of the 6-D tangent space [translation, rotation · length] into observed directions and
-/// the others.
+/// The split of a 6-D space of small motions into observed directions and the others.
 struct Degeneracy {
   /// Orthonormal columns, the unobserved directions first removed from `projector`.
   Eigen::Matrix<double, 6, Eigen::Dynamic> directions = Eigen::Matrix<double, 6, 0>();
@@ -16,10 +15,10 @@ struct Degeneracy {
   bool any() const { return directions.cols() > 0; }
 };
 
-/// `normalized_hessian` is the mean of a aᵀ over the correspondences, with a = [n; s×n / length]
-/// dimensionless, so its eigenvalues are the shares of correspondences that constrain each
-/// direction (Zhang, Kaess, Singh, "On degeneracy of optimization-based state estimation problems",
-/// ICRA 2016). Directions with a share below `min_share` are unobserved.
+/// In coordinates whose norm is the root mean square displacement of the points, the eigenvalues of
+/// the mean Hessian are the shares of that displacement along the normals, 0 to 1 (after Zhang,
+/// Kaess, Singh, "On degeneracy of optimization-based state estimation problems", ICRA 2016).
+/// Directions with a share below `min_share` are unobserved.
 Degeneracy findDegeneracy(const Matrix6& normalized_hessian, double min_share);
 
 }  // namespace dynemo

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "dynemo/core/fields.h"
-#include "dynemo/odometry/point_times.h"
 #include "dynemo/odometry/registration.h"
 #include "dynemo/odometry/surface_points.h"
 #include "dynemo/odometry/voxel_hash_map.h"
@@ -27,6 +26,7 @@ struct PredictionParams {
 void fields(FieldVisitor& v, PredictionParams& p);
 
 struct LocalMapParams {
+  bool deskew = true;
   PredictionParams prediction;
   SurfaceParams surface;
   VoxelHashMapParams map;
@@ -56,7 +56,6 @@ void fields(FieldVisitor& v, KeyframeGicpParams& p);
 struct OdometryParams {
   std::string method = "local_map";
   int threads = 2;
-  PointTimeParams point_times;
   LocalMapParams local_map;
   KeyframeGicpParams keyframe_gicp;
 };

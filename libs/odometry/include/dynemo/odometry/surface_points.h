@@ -18,7 +18,9 @@ struct SurfaceParams {
   double max_range_m = 100.0;
   double leaf_m = 0.25;
   int normal_neighbors = 10;
+  double normal_radius_m = 0.5;
   double max_flatness = 0.5;
+  double min_view_spread = 1e-3;
 };
 void fields(FieldVisitor& v, SurfaceParams& p);
 
@@ -40,9 +42,8 @@ struct SurfacePoints {
 /// surface (a line, a blob) are left out. `times_s` is empty or one entry per point; `reference_s`
 /// is the reference time after the stamp. The twist only serves the normals: the points keep their
 /// own times.
-SurfacePoints extractSurface(const Scan& scan, const std::vector<float>& times_s,
-                             double reference_s, const SweepMotion& motion,
-                             std::span<const std::uint32_t> ignored, const SurfaceParams& params,
-                             WorkerPool& pool);
+SurfacePoints extractSurface(const Scan& scan, std::span<const float> times_s, double reference_s,
+                             const SweepMotion& motion, std::span<const std::uint32_t> ignored,
+                             const SurfaceParams& params, WorkerPool& pool);
 
 }  // namespace dynemo
