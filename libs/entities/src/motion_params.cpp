@@ -18,7 +18,7 @@ void fields(FieldVisitor& v, MotionParams& p) {
   v.angle("static_sigma_deg", p.static_sigma_rad, "Static object: sigma of its rotation",
           Range::positive());
   v.number("static_kernel_width", p.static_kernel_width,
-           "Static object: Huber width in standard deviations", Range::positive());
+           "Static object: width of the kernel in standard deviations", Range::positive());
   v.number("relative_sigma_m", p.relative_sigma_m, "Relative pose frozen at creation: sigma",
            Range::positive());
   v.angle("relative_sigma_deg", p.relative_sigma_rad,
@@ -47,11 +47,14 @@ std::string motionModelName(SemanticClass semantic_class, const EntityModel* mod
   return semantic_class == SemanticClass::kAgent ? "agent_line" : "object";
 }
 
+bool exceedsNoise(const Pose3& P, const Matrix6& covariance, const MotionParams& params) {
+  return squaredMahalanobis(local(Pose3(), P), covariance) >
+         chiSquaredQuantile(6, params.static_probability);
+}
+
 bool isMotion(const Pose3& P, const Matrix6& covariance, const MotionParams& params) {
-  const Vector6 d = local(Pose3(), P);
-  if (d.head<3>().norm() < params.min_motion_m && d.tail<3>().norm() < params.min_rotation_rad)
-    return false;
-  return squaredMahalanobis(d, covariance) > chiSquaredQuantile(6, params.static_probability);
+  if (P.t.norm() < params.min_motion_m && rotationAngle(P) < params.min_rotation_rad) return false;
+  return exceedsNoise(P, covariance, params);
 }
 
 }  // namespace dynemo

@@ -15,10 +15,29 @@ CEdgeBase::Ptr frozenRelativePose(const MotionContext& context, const MotionPara
   return edge;
 }
 
+namespace {
+
+/// Where the object was put down: its first observation, or the last one that was found moved.
+const CNodeEntity& putDown(const MotionContext& context) {
+  for (auto it = context.history.rbegin(); it != context.history.rend(); ++it) {
+    if ((*it)->moved) return **it;
+  }
+  return *context.history.front();
+}
+
+}  // namespace
+
 MotionConstraint ObjectModel::constrain(const MotionContext& context) const {
+  const Pose3 P = context.relativePose();
+  const bool moved_since_previous = isMotion(P, context.relative_covariance, params_);
+  // An object that is pushed slowly moves little from one observation to the next.
+  const Pose3 P_put_down =
+      putDown(context).T_map_entity().inverse() * context.current.T_map_entity();
+
   MotionConstraint constraint;
-  constraint.moved = isMotion(context.relativePose(), context.relative_covariance, params_);
-  if (constraint.moved) {
+  constraint.moved =
+      moved_since_previous || isMotion(P_put_down, context.relative_covariance, params_);
+  if (moved_since_previous) {
     if (params_.form == MotionForm::kPaper) {
       constraint.edges.push_back(frozenRelativePose(context, params_, "moved_object"));
     }
@@ -28,7 +47,10 @@ MotionConstraint ObjectModel::constrain(const MotionContext& context) const {
   edge->nodes = {context.previous().id, context.current.id};
   edge->motion_model = "static_object";
   edge->setCovariance(isotropicCovariance(params_.static_sigma_m, params_.static_sigma_rad));
-  edge->kernel = {KernelType::kHuber, params_.static_kernel_width};
+  // Displacement that the robot's drift explains must be pulled together; what neither drift nor
+  // noise explains is perhaps a small motion, and must not be.
+  const bool doubtful = exceedsNoise(P, context.relative_covariance, params_);
+  edge->kernel = {doubtful ? KernelType::kCauchy : KernelType::kHuber, params_.static_kernel_width};
   constraint.edges.push_back(std::move(edge));
   return constraint;
 }

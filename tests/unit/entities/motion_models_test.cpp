@@ -78,6 +78,28 @@ TEST_F(MotionModels, SignificantButTinyDisplacementIsNoMotion) {
   EXPECT_FALSE(constrain("object", node(1, 1.0, Pose3::translation(1.05, 2, 0))).moved);
 }
 
+TEST_F(MotionModels, ASmallUnexplainedDisplacementIsHeldLoosely) {
+  EXPECT_EQ(constrain("object", node(1, 1.0, Pose3::translation(1.02, 2, 0))).edges[0]->kernel.type,
+            KernelType::kHuber);
+  covariance_ = isotropicCovariance(0.003, 0.003);
+  EXPECT_EQ(constrain("object", node(1, 1.0, Pose3::translation(1.06, 2, 0))).edges[0]->kernel.type,
+            KernelType::kCauchy);
+}
+
+TEST_F(MotionModels, ASlowlyPushedObjectIsFoundMoved) {
+  covariance_ = isotropicCovariance(0.003, 0.003);
+  bool found = false;
+  for (int i = 1; i < 6; ++i) {
+    CNodeEntity next =
+        node(static_cast<std::uint64_t>(i), i, Pose3::translation(1 + 0.04 * i, 2, 0));
+    next.moved = constrain("object", next).moved;
+    found |= next.moved;
+    EXPECT_EQ(next.moved, i == 3) << i;  // 12 cm from where it was put down; then counted anew
+    history_.push_back(next);
+  }
+  EXPECT_TRUE(found);
+}
+
 TEST_F(MotionModels, PaperLineProjectsTheRelativePoseOntoU) {
   params_.form = MotionForm::kPaper;
   EntityModel model;

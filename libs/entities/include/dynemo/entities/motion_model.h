@@ -30,7 +30,8 @@ struct MotionParams {
 
   double static_sigma_m = 0.005;
   double static_sigma_rad = 0.00873;
-  /// Huber width of the static edge, in standard deviations.
+  /// Width of the static edge's kernel in standard deviations: Huber while noise and drift explain
+  /// the displacement, Cauchy when they do not.
   double static_kernel_width = 1.345;
 
   /// Relative pose frozen at creation (paper form, moved object or agent without a line).
@@ -92,7 +93,10 @@ const MotionModelRegistry& motionModels();
 /// The name of the model for an entity: its own, or the default of its class.
 std::string motionModelName(SemanticClass semantic_class, const EntityModel* model);
 
-/// Whether P is more than noise: beyond ν on its covariance and beyond the smallest motion.
+/// Whether P is beyond ν on its covariance (paper, Eq. (11)).
+bool exceedsNoise(const Pose3& P, const Matrix6& covariance, const MotionParams& params);
+
+/// Whether P is motion worth reporting: beyond the noise and beyond the smallest motion.
 bool isMotion(const Pose3& P, const Matrix6& covariance, const MotionParams& params);
 
 }  // namespace dynemo
