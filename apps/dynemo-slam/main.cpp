@@ -130,7 +130,8 @@ void processAll(FrameSource& source, SlamPipeline& pipeline, RunFolder& folder, 
 int run(const Options& o) {
   const DynemoParams params = loadParams(o.config);
   if (o.dump_config) {
-    std::cout << toYaml(params);
+    std::cout << toYaml(params) << std::flush;
+    if (!std::cout) throw DataError("standard output: cannot be written");
     return 0;
   }
   requireInputs(o);

@@ -33,6 +33,21 @@ fs::path createFolder(const fs::path& folder) {
   return folder;
 }
 
+/// The session is a folder of its own, not the file of an exporter.
+constexpr const char* kSession = "session";
+
+std::vector<std::string> knownOutputs(const std::vector<std::string>& names) {
+  std::vector<std::string> known = exporters().names();
+  known.emplace_back(kSession);
+  for (const std::string& name : names) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    std::string list;
+    for (const std::string& k : known) list += (list.empty() ? "" : ", ") + k;
+    throw ConfigError("outputs: " + name + ": must be among: " + list);
+  }
+  return names;
+}
+
 Json poseJson(const Pose3& T) {
   const auto q = T.quaternion();
   return {{"position_m", {T.t.x(), T.t.y(), T.t.z()}},
@@ -76,16 +91,12 @@ Json graphJson(const CSceneGraph& graph) {
 }  // namespace
 
 RunFolder::RunFolder(const fs::path& folder, const DynemoParams& params)
-    : folder_(createFolder(folder)),
-      outputs_(params.outputs),
+    : outputs_(knownOutputs(params.outputs)),
+      folder_(createFolder(folder)),
       config_yaml_(toYaml(params)),
       log_(folder / "log.txt"),
       timing_(folder / "timing.csv"),
       optimizations_(folder / "optimizations.csv") {
-  for (const std::string& name : outputs_) {
-    if (name != "session" && !exporters().contains(name))
-      exporters().make(name);  // throws, naming the known ones
-  }
   writeFileAtomically(folder_ / "config.yaml", config_yaml_);
   std::string header = "frame,timestamp";
   for (const char* stage : kStageNames) header += std::string(",") + stage + "_ms";
@@ -177,8 +188,8 @@ void RunFolder::write(const std::vector<std::string>& outputs, const SlamPipelin
   };
   for (const std::string& name : outputs) {
     attempt([&] {
-      if (name == "session")
-        return saveSession({pipeline.graph(), config_yaml_}, folder_ / "session");
+      if (name == kSession)
+        return saveSession({pipeline.graph(), config_yaml_}, folder_ / kSession);
       const auto exporter = exporters().make(name);
       exporter->write(pipeline.result(), folder_ / exporter->fileName());
     });

@@ -24,7 +24,8 @@ struct RunCost {
 class RunFolder {
  public:
   /// Creates the folder and opens log.txt, timing.csv and optimizations.csv; writes config.yaml.
-  /// Throws DataError when it cannot.
+  /// Throws ConfigError for an output that does not exist, before anything is written, and
+  /// DataError when the folder or a file cannot be made.
   RunFolder(const std::filesystem::path& folder, const DynemoParams& params);
 
   void log(const std::string& line) { log_.line(line); }
@@ -45,8 +46,8 @@ class RunFolder {
   void write(const std::vector<std::string>& outputs, const SlamPipeline& pipeline,
              const IngestReport& ingest, const RunIdentity& identity);
 
-  std::filesystem::path folder_;
   std::vector<std::string> outputs_;
+  std::filesystem::path folder_;
   std::string config_yaml_;
   AppendFile log_, timing_, optimizations_;
   std::size_t optimizations_written_ = 0;
