@@ -145,6 +145,25 @@ TEST_F(BadInput, TruncatedAtEveryByteOfAnObject) {
   }
 }
 
+TEST_F(BadInput, CompressedFileCutAfterTheLastObjectIsReported) {
+  const std::string bytes = goodBytes(true);
+  writeFile(log_, bytes.substr(0, bytes.size() - 4));
+  EXPECT_EQ(frames().size(), 11U);
+  EXPECT_EQ(warningCount(report_, "the compressed data is incomplete"), 1U);
+}
+
+TEST_F(BadInput, SeveralCompressedMembersAreOneLog) {
+  writeLog(log_, {.duration_s = 0.9, .compressed = true});
+  std::string bytes = readBytes(log_);
+  {
+    RawlogWriter out(log_, true);
+    for (int i = 10; i < 20; ++i) out.write(cloudObservation(0.1 * i));
+  }
+  writeFile(log_, bytes + readBytes(log_) + std::string("trailing rubbish"));
+  EXPECT_EQ(frames().size(), 20U);
+  EXPECT_EQ(warningCount(report_, "damaged"), 0U);
+}
+
 TEST_F(BadInput, CompressedFileWithWrongChecksumIsReported) {
   std::string bytes = goodBytes(true);
   bytes[bytes.size() - 6] = static_cast<char>(bytes[bytes.size() - 6] ^ 0x5A);
