@@ -23,6 +23,12 @@ void* aligned_malloc(std::size_t size, std::size_t alignment) {
 namespace dynemo {
 namespace {
 
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kUnderAddressSanitizer = true;
+#else
+constexpr bool kUnderAddressSanitizer = false;
+#endif
+
 /// Bytes of address space in use; 0 when the system does not say.
 unsigned long long addressSpaceInUse() {
   std::FILE* statm = std::fopen("/proc/self/statm", "re");
@@ -36,7 +42,7 @@ unsigned long long addressSpaceInUse() {
 }  // namespace
 
 MemoryLimit::MemoryLimit(std::size_t bytes) {
-#if !defined(__SANITIZE_ADDRESS__)
+  if (kUnderAddressSanitizer) return;
   rlimit limit{};
   const unsigned long long in_use = addressSpaceInUse();
   if (in_use == 0 || getrlimit(RLIMIT_AS, &limit) != 0) return;
@@ -44,9 +50,6 @@ MemoryLimit::MemoryLimit(std::size_t bytes) {
   if (in_use + bytes >= limit.rlim_cur) return;
   limit.rlim_cur = in_use + bytes;
   active_ = setrlimit(RLIMIT_AS, &limit) == 0;
-#else
-  static_cast<void>(bytes);
-#endif
 }
 
 MemoryLimit::~MemoryLimit() {
