@@ -8,6 +8,9 @@ set(build ${SCRATCH_DIR}/build)
 file(REMOVE_RECURSE ${SCRATCH_DIR})
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
 
+# An installed program finds the installed setups.
+execute_process(COMMAND ${prefix}/bin/dynemo-slam --setup full --dump-config OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+
 set(sanitizer_flags)
 if(SANITIZE)
   set(sanitizer_flags -fsanitize=${SANITIZE})
