@@ -1,4 +1,5 @@
-// A simulated sample recording together with its ground truth, read frame by frame for tests of single stages.
+// A simulated sample recording together with its ground truth, read frame by frame for tests of
+// single stages.
 #pragma once
 
 #include <filesystem>

@@ -168,6 +168,32 @@ TEST(AprilTagDetector, TheCovarianceHasTheConfiguredFloor) {
   EXPECT_NEAR(observations[0].covariance(5, 5), 0.09, 1e-9);
 }
 
+TEST(TagFinder, IntegerCoordinatesArePixelCentres) {
+  constexpr double kMaxMeanOffset_px = 0.1;
+  const EntityModel model = test::boxEntity(EntityId{5});
+  const CameraModel camera = test::testCamera(DistortionModel::kPlumbBob);
+  TagFinder finder("tag36h11", {});
+  Vector2 sum = Vector2::Zero();
+  std::size_t count = 0;
+  for (const double yaw : {pi - 0.4, pi, pi + 0.5}) {
+    const Pose3 T_camera_entity = test::uprightAhead(1.6, yaw);
+    cv::Mat image = test::blankImage(camera);
+    test::drawTags(model, "tag36h11", camera, T_camera_entity, image);
+    std::mt19937 generator(1);
+    const auto truth = test::visibleCorners(model, camera, T_camera_entity, 0.0, generator);
+    for (const FoundTag& found : finder.find(image)) {
+      for (const TagCornerObservation& tag : truth) {
+        if (tag.tag_id != found.observation.tag_id) continue;
+        for (std::size_t i = 0; i < 4; ++i, ++count) {
+          sum += found.observation.corners_px[i] - tag.corners_px[i];
+        }
+      }
+    }
+  }
+  ASSERT_GE(count, 12U);
+  EXPECT_LT((sum / static_cast<double>(count)).norm(), kMaxMeanOffset_px);
+}
+
 TEST(AprilTagDetector, RefusesADecimationThatTheLibraryDoesNotOffer) {
   PerceptionParams params;
   params.tag_finder.decimate = 2.5;

@@ -11,7 +11,7 @@ struct TagFinderParams {
   bool refine_edges = true;
   double decode_sharpening = 0.25;
   int threads = 1;
-  int max_hamming = 1;
+  int max_hamming = 2;
   double min_decision_margin = 30.0;
   int min_white_black_diff = 20;
 };
