@@ -260,7 +260,7 @@ std::unique_ptr<FrameSource> makeRawlogSource(const IngestParams& params,
   if (!rawlog && !detections_csv)
     throw ConfigError("neither a rawlog nor a table of detections is given");
   if (params.lidar.min_range_m >= params.lidar.max_range_m)
-    throw ConfigError("ingest.lidar.min_range_m must be smaller than max_range_m");
+    throw ConfigError("sensors.lidar.min_range_m must be smaller than max_range_m");
   return std::make_unique<RawlogFrameSource>(params, rawlog, detections_csv);
 }
 

@@ -57,7 +57,7 @@ void SensorSelection::chooseScans(const IngestParams& params,
   std::set<std::string> labels;
   for (const TimedItem& item : beginning)
     if (item.role == SensorRole::kScan) labels.insert(item.label);
-  if (labels.size() > 1) throwAmbiguous(origin, "scans", labels, "ingest.lidar.label");
+  if (labels.size() > 1) throwAmbiguous(origin, "scans", labels, "sensors.lidar.label");
   if (!labels.empty()) scan_label_ = *labels.begin();
 }
 
@@ -86,7 +86,7 @@ void SensorSelection::chooseOdometry(const IngestParams& params,
     odometry_rank_ = item.rank;
     labels.insert(item.label);
   }
-  if (labels.size() > 1) throwAmbiguous(origin, "odometry", labels, "ingest.odometry.label");
+  if (labels.size() > 1) throwAmbiguous(origin, "odometry", labels, "sensors.odometry.label");
   if (!labels.empty()) odometry_label_ = *labels.begin();
 }
 

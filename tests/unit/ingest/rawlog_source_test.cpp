@@ -121,7 +121,7 @@ TEST_F(RawlogSource, SeveralLidarsNeedAChoice) {
     FAIL() << "a choice was made";
   } catch (const ConfigError& e) {
     EXPECT_NE(std::string(e.what()).find("'front', 'top'"), std::string::npos) << e.what();
-    EXPECT_NE(std::string(e.what()).find("ingest.lidar.label"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("sensors.lidar.label"), std::string::npos) << e.what();
   }
   params_.lidar.label = "top";
   const auto chosen = frames();
