@@ -1,0 +1,67 @@
+// Each setup of the paper makes the keyframes and constraints that it stands for.
+#include <gtest/gtest.h>
+
+#include "slam_run.h"
+
+namespace dynemo::test {
+namespace {
+
+struct Setup {
+  const char* name;
+  bool entities, intra_entity, floor_entity, timer;
+};
+
+class Setups : public testing::TestWithParam<Setup> {};
+
+/// Whether any keyframe was made for a reason that contains the text.
+bool hasReason(const SlamRun& run, const std::string& reason) {
+  const nlohmann::json summary = run.summary();
+  for (const auto& [reasons, count] : summary.at("keyframes").at("reasons").items()) {
+    if (reasons.find(reason) != std::string::npos) return true;
+  }
+  return false;
+}
+
+TEST_P(Setups, HaveTheirConstraintsAndNoOthers) {
+  const SlamRun& run = bundledRun(GetParam().name);
+  ASSERT_TRUE(run.ok());
+  EXPECT_EQ(run.summary().at("setup"), GetParam().name);
+  EXPECT_GT(run.nodes("keyframe"), 10u);
+  EXPECT_EQ(run.edges("odometry"), run.nodes("keyframe") - 1);
+  EXPECT_EQ(run.nodes("entity") > 0, GetParam().entities);
+  EXPECT_EQ(run.edges("keyframe_entity"), run.nodes("entity"));
+  EXPECT_EQ(run.edges("intra_entity") > 0, GetParam().intra_entity);
+  EXPECT_EQ(run.edges("agent_line") > 0, GetParam().intra_entity);
+  EXPECT_EQ(run.edges("floor_entity"), GetParam().floor_entity ? run.nodes("entity") : 0u);
+}
+
+TEST_P(Setups, MakeKeyframesForTheirReasons) {
+  const SlamRun& run = bundledRun(GetParam().name);
+  ASSERT_TRUE(run.ok());
+  EXPECT_TRUE(hasReason(run, "robot_moved"));
+  EXPECT_EQ(hasReason(run, "new_entity"), GetParam().entities);
+  EXPECT_EQ(hasReason(run, "entity_moved"), GetParam().entities);
+  EXPECT_EQ(hasReason(run, "timer_expired"), GetParam().timer);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfThePaper, Setups,
+                         testing::Values(Setup{"baseline", false, false, false, false},
+                                         Setup{"only-kf-e", true, false, false, false},
+                                         Setup{"intra-e", true, true, false, false},
+                                         Setup{"f-e", true, false, true, false},
+                                         Setup{"fcs", true, true, true, false},
+                                         Setup{"always-epcr", true, true, true, false},
+                                         Setup{"mb-epcr", true, true, true, false},
+                                         Setup{"full", true, true, true, true}));
+
+TEST(SetupFiles, AreTheEightOfThePaper) {
+  std::set<std::string> names;
+  for (const auto& entry :
+       fs::directory_iterator(fs::path(DYNEMO_SOURCE_DIR) / "config" / "setups"))
+    names.insert(entry.path().stem());
+  EXPECT_EQ(names, (std::set<std::string>{"always-epcr", "baseline", "f-e", "fcs", "full",
+                                          "intra-e", "mb-epcr", "only-kf-e"}));
+}
+
+}  // namespace
+}  // namespace dynemo::test
