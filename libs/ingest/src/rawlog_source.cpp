@@ -163,7 +163,7 @@ std::optional<ExternalDetection> RawlogFrameSource::resolve(const CsvDetection& 
   const Pose3* T_base_sensor = sensorPoseOf(row.sensor_label);
   if (T_base_sensor == nullptr) {
     warnings_.count("detection of sensor '" + row.sensor_label +
-                    "' dropped: neither the log nor ingest.extrinsics has its pose");
+                    "' dropped: neither the log nor sensors.extrinsics has its pose");
     return std::nullopt;
   }
   d.T_base_entity = *T_base_sensor * row.T_sensor_entity;

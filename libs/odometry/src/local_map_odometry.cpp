@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "dynemo/core/noise.h"
 #include "dynemo/odometry/adaptive_threshold.h"
@@ -13,6 +14,13 @@
 
 namespace dynemo {
 namespace {
+
+/// Turns to either side that are tried for a scan that does not fit.
+constexpr double kTurnStep_rad = 0.2;
+constexpr int kTurnSteps = 4;
+/// A wide match must reach this share of the inlier ratio that is usual.
+constexpr double kUsualShare = 0.8;
+constexpr double kUsualMemory = 0.9;
 
 /// What is known about the base at one scan.
 struct ScanState {
@@ -57,6 +65,8 @@ class LocalMapOdometry final : public ScanOdometry {
     return params_.deskew && scan.cloud.time_offset_s.size() == scan.cloud.size();
   }
   RegistrationPrior priorOf(const Predicted& predicted) const;
+  /// Where to look for a scan that does not fit at the prediction, most likely first.
+  std::vector<Pose3> wideStarts(const Predicted& predicted) const;
   Expected<Registration, OdometryFailure> match(const SurfacePoints& surface,
                                                 const Predicted& predicted);
   ScanState stateOf(const Predicted& predicted, const Registration& found) const;
@@ -77,6 +87,7 @@ class LocalMapOdometry final : public ScanOdometry {
   std::optional<FirstSweeps> first_;
   SurfacePoints surface_;
   int lost_scans_ = 0;
+  double usual_inlier_ratio_ = 0.0;
   Vector3 last_forgetting_ = Vector3::Zero();
 };
 
@@ -103,6 +114,10 @@ Expected<OdometryEstimate, OdometryFailure> LocalMapOdometry::update(
   const auto found = match(surface_, predicted);
   if (!found) return lose(found.error(), predicted);
 
+  const double ratio = found->diagnostics.inlier_ratio;
+  usual_inlier_ratio_ = usual_inlier_ratio_ == 0.0
+                            ? ratio
+                            : kUsualMemory * usual_inlier_ratio_ + (1.0 - kUsualMemory) * ratio;
   const ScanState before = *last_;
   const ScanState& now = accept(stateOf(predicted, *found), predicted);
   OdometryEstimate estimate{now.stamp, now.T_odom_base,
@@ -204,8 +219,9 @@ RegistrationPrior LocalMapOdometry::priorOf(const Predicted& predicted) const {
   return prior;
 }
 
-/// From the prediction; where that fits badly again with the widest search, then from where the
-/// robot was.
+/// From the prediction; where that fits badly with the widest search, also from where the robot was
+/// and turned to either side, and then the best must fit about as well as scans usually do: a room
+/// nearly fits itself at every quarter turn.
 Expected<Registration, OdometryFailure> LocalMapOdometry::match(const SurfacePoints& surface,
                                                                 const Predicted& predicted) {
   const auto fits = [&](const auto& r) {
@@ -216,15 +232,30 @@ Expected<Registration, OdometryFailure> LocalMapOdometry::match(const SurfacePoi
   if (predicted.velocity_known && fits(best)) return best;
   prior.correspondence_m = params_.max_correspondence_m;
   prior.wide = true;
-  for (const Pose3& start : {predicted.state.T_odom_middle, last_->T_odom_middle}) {
+  const auto fitsAsUsual = [&](const auto& r) {
+    return fits(r) && r->diagnostics.inlier_ratio >= kUsualShare * usual_inlier_ratio_;
+  };
+  for (const Pose3& start : wideStarts(predicted)) {
     prior.T_target_base = start;
     auto again = registerScan(surface, map_, prior, params_.registration, pool_);
     if (again && (!best || again->diagnostics.inlier_ratio > best->diagnostics.inlier_ratio))
       best = again;
-    if (fits(best)) return best;
+    if (fitsAsUsual(best)) return best;
   }
   if (best) return make_unexpected(OdometryFailure::kNoOverlap);
   return best;
+}
+
+std::vector<Pose3> LocalMapOdometry::wideStarts(const Predicted& predicted) const {
+  const Pose3& T_predicted = predicted.state.T_odom_middle;
+  std::vector<Pose3> starts = {T_predicted, last_->T_odom_middle};
+  for (int step = 1; step <= kTurnSteps; ++step) {
+    for (const double side : {-1.0, 1.0}) {
+      starts.push_back(T_predicted *
+                       Pose3::fromYawPitchRoll(0, 0, 0, side * step * kTurnStep_rad, 0, 0));
+    }
+  }
+  return starts;
 }
 
 ScanState LocalMapOdometry::stateOf(const Predicted& predicted, const Registration& found) const {
