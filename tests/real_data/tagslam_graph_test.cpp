@@ -1,4 +1,5 @@
-// A moving camera mapping tags, each an object of its own, with no odometry at all: detections in, trajectory out.
+// A moving camera mapping tags, each an object of its own, with no odometry at all: detections in,
+// trajectory out.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -25,7 +26,8 @@ Trajectory runDetections(const test::TagslamDataset& dataset, const std::string&
   params.mapping.motion.static_sigma_m = params.mapping.motion.static_sigma_rad = 1e-4;
   {
     std::ofstream out(csv);
-    test::writeDetections(dataset, models, params.perception.tag_pose, params.perception.ambiguity, out);
+    test::writeDetections(dataset, models, params.perception.tag_pose, params.perception.ambiguity,
+                          out);
   }
   const auto source = makeRawlogSource(params.sensors, std::nullopt, csv);
   SlamPipeline pipeline(params, models, source->hasOdometry());
@@ -36,7 +38,8 @@ Trajectory runDetections(const test::TagslamDataset& dataset, const std::string&
   pipeline.finish();
   std::filesystem::remove(csv);
   Trajectory trajectory;
-  for (const FramePose& frame : pipeline.frames()) trajectory.push_back({frame.stamp, frame.T_map_base});
+  for (const FramePose& frame : pipeline.frames())
+    trajectory.push_back({frame.stamp, frame.T_map_base});
   return trajectory;
 }
 
@@ -47,15 +50,16 @@ TEST_P(TagslamGraph, TheTrajectoryIsThatOfTheReference) {
   if (!folder) GTEST_SKIP() << "DYNEMO_REAL_DATA is not set";
   const auto dataset = test::readTagslam(*folder / "tagslam" / GetParam());
   Trajectory reference;
-  for (const auto& [stamp, T_map_rig] : dataset.reference_tracks.at("cam_rig")) reference.push_back({stamp, T_map_rig});
+  for (const auto& [stamp, T_map_rig] : dataset.reference_tracks.at("cam_rig"))
+    reference.push_back({stamp, T_map_rig});
   const Trajectory estimate = runDetections(dataset, GetParam());
 
   const auto aligned = alignTrajectories(reference, estimate);
   ASSERT_TRUE(aligned);
   const Statistics ate = absoluteTranslationError(*aligned);
   RecordProperty("ate_rmse_m", std::to_string(ate.rmse));
-  std::cout << GetParam() << ": ATE " << 100 * ate.rmse << " cm over " << ate.count << " of " << reference.size()
-            << " poses\n";
+  std::cout << GetParam() << ": ATE " << 100 * ate.rmse << " cm over " << ate.count << " of "
+            << reference.size() << " poses\n";
   EXPECT_LT(ate.rmse, kMaxAte_m);
   EXPECT_GT(ate.count, reference.size() * 9 / 10);
 }
