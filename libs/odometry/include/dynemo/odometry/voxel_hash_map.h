@@ -19,8 +19,9 @@ void fields(FieldVisitor& v, VoxelHashMapParams& p);
 
 /// Points with normals in cubic cells. A cell keeps the points that came first, at least
 /// `min_spacing_m` apart and facing the same way (the two faces of a thin wall share a cell), up to
-/// its capacity. Searches look into the point's cell and the six that share a face with it, so
-/// distances up to half a cell are found for certain.
+/// its capacity. Searches look into the point's cell and the six that share a face with it; a
+/// nearer point across an edge or a corner is only found by a wide search, which is exact for
+/// distances up to one cell.
 class VoxelHashMap final : public RegistrationTarget {
  public:
   explicit VoxelHashMap(const VoxelHashMapParams& params);
