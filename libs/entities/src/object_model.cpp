@@ -36,7 +36,8 @@ MotionConstraint ObjectModel::constrain(const MotionContext& context) const {
 
   MotionConstraint constraint;
   constraint.moved =
-      moved_since_previous || isMotion(P_put_down, context.relative_covariance, params_);
+      moved_since_previous ||
+      (context.chained && isMotion(P_put_down, context.relative_covariance, params_));
   if (moved_since_previous) {
     if (params_.form == MotionForm::kPaper) {
       constraint.edges.push_back(frozenRelativePose(context, params_, "moved_object"));

@@ -170,7 +170,8 @@ class DeltaBuilder::Assembly {
     for (const auto& earlier : track->second) history.push_back(earlier.get());
 
     const EntityModel* model = builder_.models_.findEntity(node.entity);
-    const MotionContext context{model, history, node, relativeCovariance(observation)};
+    const MotionContext context{model, history, node, relativeCovariance(observation),
+                                params_.intra_entity};
     const auto& motion = *builder_.motion_models_.at(motionModelName(node.semantic_class, model));
     MotionConstraint constraint = motion.constrain(context);
     node.moved = constraint.moved;

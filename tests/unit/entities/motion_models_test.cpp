@@ -100,6 +100,17 @@ TEST_F(MotionModels, ASlowlyPushedObjectIsFoundMoved) {
   EXPECT_TRUE(found);
 }
 
+TEST_F(MotionModels, AnUnchainedTrackIsComparedWithItsPreviousObservationOnly) {
+  covariance_ = isotropicCovariance(0.003, 0.003);
+  history_ = {node(0, 0.0, Pose3::translation(1, 2, 0)),
+              node(1, 30.0, Pose3::translation(1.5, 2, 0))};
+  std::vector<const CNodeEntity*> history = {&history_[0], &history_[1]};
+  const CNodeEntity current = node(2, 31.0, Pose3::translation(1.51, 2, 0));
+  const auto model = motionModels().make("object", params_);
+  EXPECT_TRUE(model->constrain({nullptr, history, current, covariance_, true}).moved);
+  EXPECT_FALSE(model->constrain({nullptr, history, current, covariance_, false}).moved);
+}
+
 TEST_F(MotionModels, PaperLineProjectsTheRelativePoseOntoU) {
   params_.form = MotionForm::kPaper;
   EntityModel model;

@@ -65,6 +65,9 @@ struct MotionContext {
   /// Covariance of the right tangent of P = ε_{t−1}⁻¹ ε_t: both detections and the robot's own
   /// uncertainty between them.
   Matrix6 relative_covariance;
+  /// Whether intra-entity edges hold the track together: only then do its older observations lie
+  /// where the previous one says.
+  bool chained = true;
 
   const CNodeEntity& previous() const { return *history.back(); }
   /// P (paper: P_{E_i,t}, in the direction the cost compares with).
