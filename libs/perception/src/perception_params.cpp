@@ -13,7 +13,8 @@ void fields(FieldVisitor& v, TagFinderParams& p) {
   v.number("decode_sharpening", p.decode_sharpening, "Sharpening of the tag's bits",
            Range::nonNegative());
   v.integer("threads", p.threads, "Threads of the search", Range::between(1, 64));
-  v.integer("max_hamming", p.max_hamming, "Wrong bits that are corrected; more let false tags in",
+  v.integer("max_hamming", p.max_hamming,
+            "Wrong bits that are corrected (fewer for tag families with very many codes)",
             Range::between(0, 2));
   v.number("min_decision_margin", p.min_decision_margin,
            "Mean contrast of the bits [grey levels] below which a tag is dropped",

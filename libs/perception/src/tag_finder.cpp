@@ -23,6 +23,23 @@ void checkDecimation(double decimate) {
   }
 }
 
+/// libapriltag keeps a table of every code with every correctable error: n · Σ C(bits, errors)
+/// entries of some 50 bytes, gigabytes for the largest families.
+constexpr double kMaxTableEntries = 1e6;
+
+int correctableBits(const apriltag_family_t& family, int wanted) {
+  const double bits = family.nbits;
+  double errors = 1.0, entries = family.ncodes;
+  int corrected = 0;
+  while (corrected < wanted) {
+    errors *= (bits - corrected) / (corrected + 1);
+    entries += family.ncodes * errors;
+    if (entries > kMaxTableEntries) break;
+    ++corrected;
+  }
+  return corrected;
+}
+
 FoundTag fromLibrary(const apriltag_detection_t& detection) {
   FoundTag tag;
   tag.observation.tag_id = detection.id;
@@ -56,7 +73,8 @@ TagFinder::TagFinder(const std::string& family, const TagFinderParams& params)
   detector_->refine_edges = params.refine_edges;
   detector_->decode_sharpening = params.decode_sharpening;
   detector_->qtp.min_white_black_diff = params.min_white_black_diff;
-  apriltag_detector_add_family_bits(detector_.get(), family_.get(), params.max_hamming);
+  apriltag_detector_add_family_bits(detector_.get(), family_.get(),
+                                    correctableBits(*family_, params.max_hamming));
 }
 
 std::vector<FoundTag> TagFinder::find(const cv::Mat& grey) {
