@@ -20,6 +20,9 @@ Matrix6 randomWalk(double path_m, double path_rad, const OdometryNoiseParams& p)
   return Q;
 }
 
+/// Measured noise would never leave these at zero.
+bool isPlanar(const Pose3& T) { return T.t.z() == 0.0 && T.R(2, 0) == 0.0 && T.R(2, 1) == 0.0; }
+
 /// What the accumulated covariance grew by: Σ_b = A Σ_a Aᵀ + Q with A the propagation over T_a_b.
 /// Late in a log Q is the small difference of large matrices, and a log may add its noise in other
 /// axes than ours: Q is taken only where it is a covariance and within a factor of 10 in sigma of
@@ -55,6 +58,8 @@ void fields(FieldVisitor& v, OdometryNoiseParams& p) {
           "Model: sigma per square root of a metre", Range::nonNegative());
   v.angle("rotation_per_sqrt_rad_deg", p.rotation_per_sqrt_rad_rad,
           "Model: sigma per square root of a radian", Range::nonNegative());
+  v.number("planar_scale", p.planar_scale, "Model: factor on its sigmas for planar odometry",
+           Range::positive());
   v.number("jitter_m", p.jitter_m, "Added to every relative pose, recorded or modelled",
            Range::positive());
   v.angle("jitter_deg", p.jitter_rad, "Added to every relative pose, recorded or modelled",
@@ -100,7 +105,9 @@ Matrix6 relativeOdometryCovariance(const std::optional<OdometryState>& a,
                                    const std::optional<OdometryState>& b, double path_m,
                                    double path_rad, const OdometryNoiseParams& params) {
   if (!a || !b) return isotropicCovariance(params.missing_sigma_m, params.missing_sigma_rad);
-  const Matrix6 model = randomWalk(path_m, path_rad, params) +
+  const double scale =
+      isPlanar(a->T_odom_base) && isPlanar(b->T_odom_base) ? params.planar_scale : 1.0;
+  const Matrix6 model = scale * scale * randomWalk(path_m, path_rad, params) +
                         isotropicCovariance(params.jitter_m, params.jitter_rad);
   if (params.source != OdometryNoiseSource::kRecorded) return model;
   const auto Q = recordedGrowth(*a, *b, model);

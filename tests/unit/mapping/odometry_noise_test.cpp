@@ -40,13 +40,22 @@ TEST(OdometryNoise, AShrinkingRecordedCovarianceStaysPositiveDefinite) {
 }
 
 TEST(OdometryNoise, TheModelGrowsWithDistanceAndAngle) {
-  const OdometryState s{Pose3(), std::nullopt};
+  const OdometryState s{Pose3::translation(0, 0, 0.1), std::nullopt};
   const auto p = withoutJitter();
   const Matrix6 one = relativeOdometryCovariance(s, s, 1.0, 0.0, p),
                 four = relativeOdometryCovariance(s, s, 4.0, 0.0, p);
   EXPECT_NEAR(four(0, 0) / one(0, 0), 4.0, 1e-6);
   EXPECT_NEAR(one(0, 0), p.translation_per_sqrt_m * p.translation_per_sqrt_m, 1e-9);
   EXPECT_GT(relativeOdometryCovariance(s, s, 1.0, 1.0, p)(5, 5), one(5, 5));
+}
+
+TEST(OdometryNoise, PlanarOdometryIsTrustedLess) {
+  const auto p = withoutJitter();
+  const OdometryState planar{Pose3::fromYawPitchRoll(1, 2, 0, 0.3, 0, 0), std::nullopt};
+  const OdometryState spatial{Pose3::fromYawPitchRoll(1, 2, 0.001, 0.3, 0.001, 0), std::nullopt};
+  const double ratio = relativeOdometryCovariance(planar, planar, 1, 0, p)(0, 0) /
+                       relativeOdometryCovariance(spatial, spatial, 1, 0, p)(0, 0);
+  EXPECT_NEAR(ratio, p.planar_scale * p.planar_scale, 1e-9);
 }
 
 TEST(OdometryNoise, AtRestTheJitterRemains) {

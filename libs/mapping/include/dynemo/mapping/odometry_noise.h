@@ -24,6 +24,9 @@ struct OdometryNoiseParams {
   double translation_per_sqrt_rad = 0.01;
   double rotation_per_sqrt_m_rad = 0.004;
   double rotation_per_sqrt_rad_rad = 0.006;
+  /// Factor on the model's sigmas for odometry that stays exactly in a plane: wheels slip, and know
+  /// nothing of height and tilt.
+  double planar_scale = 3.0;
   double jitter_m = 0.004;
   double jitter_rad = 0.001;
   /// Recorded covariances are multiplied by the square of it.
