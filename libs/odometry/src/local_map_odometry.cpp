@@ -7,6 +7,7 @@
 
 #include "dynemo/core/noise.h"
 #include "dynemo/odometry/adaptive_threshold.h"
+#include "dynemo/odometry/agitation.h"
 #include "dynemo/odometry/point_times.h"
 #include "dynemo/odometry/worker_pool.h"
 #include "first_sweeps.h"
@@ -31,6 +32,8 @@ struct ScanState {
   /// Of the right tangent of T_odom_base, given the map.
   Matrix6 covariance = Matrix6::Zero();
   SweepMotion motion;
+  /// Since the scan before.
+  std::optional<BodyTwist> mean_twist;
   std::optional<Pose3> T_log_base;
 
   double middleAfter(const ScanState& earlier) const {
@@ -44,7 +47,10 @@ class LocalMapOdometry final : public ScanOdometry {
       : params_(params.local_map),
         pool_(params.threads),
         map_(params.local_map.map),
-        threshold_(params.local_map.initial_sigma_m, params.local_map.sigma_memory) {}
+        threshold_(params.local_map.initial_sigma_m, params.local_map.sigma_memory),
+        agitation_(params.local_map.prediction.sigma_acceleration_m_s2,
+                   params.local_map.prediction.sigma_angular_acceleration_rad_s2,
+                   params.local_map.sigma_memory) {}
 
   Expected<OdometryEstimate, OdometryFailure> update(
       const Scan& scan, const std::optional<OdometryState>& rawlog_odometry,
@@ -82,6 +88,7 @@ class LocalMapOdometry final : public ScanOdometry {
   WorkerPool pool_;
   VoxelHashMap map_;
   AdaptiveThreshold threshold_;
+  Agitation agitation_;
   std::optional<ScanState> last_;
   /// Until the map's beginning is settled.
   std::optional<FirstSweeps> first_;
@@ -142,6 +149,9 @@ void LocalMapOdometry::beginMap(const ScanState& now) {
   map_.clear();
   insertSweep(mapped(now), map_);
   first_.reset();
+  agitation_ =
+      Agitation(params_.prediction.sigma_acceleration_m_s2,
+                params_.prediction.sigma_angular_acceleration_rad_s2, params_.sigma_memory);
   if (surface_.timed()) {
     RegistrationPrior prior =
         priorOf({now, Matrix6::Identity(), params_.prediction.max_gap_s, true});
@@ -213,8 +223,16 @@ RegistrationPrior LocalMapOdometry::priorOf(const Predicted& predicted) const {
   prior.covariance = predicted.covariance;
   prior.motion = predicted.state.motion;
   const double dt_s = std::min(predicted.dt_s, params_.prediction.max_gap_s);
-  prior.sigma_linear_m_s = params_.prediction.sigma_acceleration_m_s2 * dt_s;
-  prior.sigma_angular_rad_s = params_.prediction.sigma_angular_acceleration_rad_s2 * dt_s;
+  // Twice the usual acceleration, so that a change of pace is let through and raises the usual.
+  const auto usual = [&](double rms, double largest) {
+    return std::clamp(2.0 * rms, params_.prediction.calm_share * largest, largest);
+  };
+  prior.sigma_acceleration_m_s2 =
+      usual(agitation_.linear_m_s2(), params_.prediction.sigma_acceleration_m_s2);
+  prior.sigma_angular_acceleration_rad_s2 =
+      usual(agitation_.angular_rad_s2(), params_.prediction.sigma_angular_acceleration_rad_s2);
+  prior.sigma_linear_m_s = prior.sigma_acceleration_m_s2 * dt_s;
+  prior.sigma_angular_rad_s = prior.sigma_angular_acceleration_rad_s2 * dt_s;
   prior.correspondence_m = std::min(params_.max_correspondence_m, 3.0 * threshold_.sigma_m());
   return prior;
 }
@@ -279,6 +297,9 @@ ScanState LocalMapOdometry::stateOf(const Predicted& predicted, const Registrati
 const ScanState& LocalMapOdometry::accept(ScanState now, const Predicted& predicted) {
   double range_sum_m = 0.0;
   for (const Eigen::Vector3f& p : surface_.points) range_sum_m += static_cast<double>(p.norm());
+  const double dt_s = now.middleAfter(*last_);
+  now.mean_twist = twistOf(last_->T_odom_middle.inverse() * now.T_odom_middle, dt_s);
+  if (last_->mean_twist) agitation_.add(*last_->mean_twist, *now.mean_twist, dt_s);
   const Vector6 error = local(predicted.state.T_odom_middle, now.T_odom_middle);
   threshold_.add(error.head<3>().norm(), error.tail<3>().norm(),
                  range_sum_m / static_cast<double>(surface_.size()));

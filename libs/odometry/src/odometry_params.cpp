@@ -22,6 +22,11 @@ void fields(FieldVisitor& v, PredictionParams& p) {
   v.number("sigma_angular_acceleration_rad_s2", p.sigma_angular_acceleration_rad_s2,
            "Standard deviation of the angular acceleration that constant velocity neglects",
            Range::positive());
+  v.number("calm_share", p.calm_share,
+           "Lower limit of the freedom of motion within a sweep, as a share of these "
+           "accelerations: a robot that "
+           "moves calmly is given less",
+           {0.0, 1.0, true});
   v.number("odometry_sigma_translation_m", p.odometry_sigma_translation_m,
            "Standard deviation of the log's odometry from one scan to the next", Range::positive());
   v.number("odometry_sigma_rotation_rad", p.odometry_sigma_rotation_rad,

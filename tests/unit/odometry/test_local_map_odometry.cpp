@@ -79,7 +79,7 @@ TEST(LocalMapOdometry, ScansOfOneInstantAtALowRate) {
 
 TEST(LocalMapOdometry, AtRestItStaysForAMinute) {
   LidarModel lidar;
-  lidar.rows = 16;
+  lidar.rows = 32;
   lidar.columns = 512;
   const Drive driven = drive(test::furnishedRoom(), lidar, test::atRest(), 60.0, 5.0);
   EXPECT_EQ(driven.lost, 0);

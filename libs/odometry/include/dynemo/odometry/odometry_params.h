@@ -19,6 +19,7 @@ struct PredictionParams {
   Prediction source = Prediction::kRawlogOdometry;
   double sigma_acceleration_m_s2 = 5.0;
   double sigma_angular_acceleration_rad_s2 = 10.0;
+  double calm_share = 0.05;
   double odometry_sigma_translation_m = 0.02;
   double odometry_sigma_rotation_rad = 0.01;
   double max_gap_s = 1.0;

@@ -18,8 +18,8 @@ struct SurfaceParams {
   double max_range_m = 100.0;
   double leaf_m = 0.25;
   int normal_neighbors = 10;
-  double normal_radius_m = 0.5;
-  double max_flatness = 0.5;
+  double normal_radius_m = 0.4;
+  double max_flatness = 0.1;
   double min_view_spread = 1e-3;
 };
 void fields(FieldVisitor& v, SurfaceParams& p);
