@@ -8,11 +8,11 @@
 #include <iostream>
 
 #include "../common/program.h"
+#include "../common/progress.h"
 #include "config_layers.h"
 #include "dynemo/core/config.h"
 #include "dynemo/ingest/rawlog_source.h"
 #include "dynemo/pipeline/run_folder.h"
-#include "progress.h"
 
 namespace fs = std::filesystem;
 
@@ -118,7 +118,7 @@ void processAll(FrameSource& source, SlamPipeline& pipeline, RunFolder& folder, 
     pipeline.process(std::move(*frame), timing);
     folder.frame(index, stamp, timing);
     folder.optimizations(pipeline.optimizations());
-    progress.update(source.progress());
+    progress.update(source.progress().fraction, source.progress().dataset_s);
     if (!checkpoint) checkpoint = stamp;
     if (secondsBetween(*checkpoint, stamp) >= checkpoint_s) {
       checkpoint = stamp;

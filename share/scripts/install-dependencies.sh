@@ -15,6 +15,8 @@ libraries=(
   libeigen3-dev
   libopencv-dev # the one package with OpenCVConfig.cmake
   libapriltag-dev
+  libembree-dev
+  libtbb-dev
   libsuitesparse-dev
   libopenblas-dev
   libboost-dev

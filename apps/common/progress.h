@@ -3,8 +3,6 @@
 #include <chrono>
 #include <string>
 
-#include "dynemo/ingest/frame_source.h"
-
 namespace dynemo {
 
 /// A bar that redraws itself on a terminal, a plain line now and then elsewhere; on stderr.
@@ -15,14 +13,15 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void update(const IngestProgress& progress);
+  /// Share done so far, 0 … 1, and the seconds of the dataset that it covers.
+  void update(double fraction, double dataset_s);
   /// Clears the bar so that a message can be printed.
   void clear();
   double elapsed_s() const;
 
  private:
   using Clock = std::chrono::steady_clock;
-  std::string text(const IngestProgress& progress) const;
+  std::string text(double fraction, double dataset_s) const;
 
   bool enabled_, terminal_;
   bool drawn_ = false;

@@ -20,29 +20,28 @@ double Progress::elapsed_s() const {
   return std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
-std::string Progress::text(const IngestProgress& progress) const {
+std::string Progress::text(double fraction, double dataset_s) const {
   const double wall_s = elapsed_s();
-  const double factor = wall_s > 0 ? progress.dataset_s / wall_s : 0.0;
-  const double eta_s =
-      progress.fraction > 0 ? wall_s * (1.0 - progress.fraction) / progress.fraction : 0.0;
+  const double factor = wall_s > 0 ? dataset_s / wall_s : 0.0;
+  const double eta_s = fraction > 0 ? wall_s * (1.0 - fraction) / fraction : 0.0;
   char numbers[128];
   std::snprintf(numbers, sizeof(numbers), "%3.0f %%  %.1f s of data  %.1fx real time  ETA %.0f s",
-                100.0 * progress.fraction, progress.dataset_s, factor, eta_s);
+                100.0 * fraction, dataset_s, factor, eta_s);
   return numbers;
 }
 
-void Progress::update(const IngestProgress& progress) {
+void Progress::update(double fraction, double dataset_s) {
   if (!enabled_) return;
   const auto now = Clock::now();
   const double interval_s = terminal_ ? kTerminalInterval_s : kLineInterval_s;
   if (std::chrono::duration<double>(now - last_).count() < interval_s) return;
   last_ = now;
   if (terminal_) {
-    std::cerr << '\r' << mrpt::system::progress(progress.fraction, 30) << ' ' << text(progress)
+    std::cerr << '\r' << mrpt::system::progress(fraction, 30) << ' ' << text(fraction, dataset_s)
               << "\033[K" << std::flush;
     drawn_ = true;
   } else {
-    std::cerr << text(progress) << '\n';
+    std::cerr << text(fraction, dataset_s) << '\n';
   }
 }
 
