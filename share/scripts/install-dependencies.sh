@@ -12,6 +12,8 @@ EOF
 build_tools=(g++ cmake ninja-build ccache)
 libraries=(
   libmrpt-maps-dev # with it: obs, graphs, opengl, poses, math, img, io, system and what these stand on
+  libmrpt-slam-dev
+  libpcl-dev
   libeigen3-dev
   libopencv-dev # the one package with OpenCVConfig.cmake
   libapriltag-dev

@@ -11,6 +11,7 @@ Degeneracy findDegeneracy(const Matrix6& normalized_hessian, double min_share) {
   Degeneracy result;
   result.directions = solver.eigenvectors().leftCols(weak);
   result.projector -= result.directions * result.directions.transpose();
+  result.smallest_share = solver.eigenvalues()[0];
   return result;
 }
 

@@ -1,53 +1,15 @@
 #include "dynemo/odometry/keyframe_gicp_odometry.h"
 
-#include <limits>
-#include <nanoflann.hpp>
-
+#include "dynemo/odometry/kd_tree_target.h"
 #include "dynemo/odometry/worker_pool.h"
 #include "relative_covariance.h"
 
 namespace dynemo {
 namespace {
 
-/// Exact nearest neighbours in one scan.
-class KeyframeTarget final : public RegistrationTarget {
- public:
-  explicit KeyframeTarget(SurfacePoints surface)
-      : surface_(std::move(surface)), cloud_{surface_.points}, tree_(3, cloud_) {}
-
-  bool nearest(const Eigen::Vector3f& p, const Eigen::Vector3f& normal,
-               const CorrespondenceGate& gate, Correspondence& found) const override {
-    std::uint32_t index = 0;
-    float distance2 = 0.0F;
-    if (tree_.knnSearch(p.data(), 1, &index, &distance2) == 0) return false;
-    if (distance2 >= gate.max_distance_m * gate.max_distance_m) return false;
-    found = {surface_.points[index], surface_.normals[index]};
-    return found.normal.dot(normal) >= gate.min_normal_cosine;
-  }
-
- private:
-  struct Cloud {
-    const std::vector<Eigen::Vector3f>& points;
-    std::size_t kdtree_get_point_count() const { return points.size(); }
-    float kdtree_get_pt(std::size_t i, std::size_t axis) const {
-      return points[i][static_cast<Eigen::Index>(axis)];
-    }
-    template <class Box>
-    bool kdtree_get_bbox(Box&) const {
-      return false;
-    }
-  };
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>,
-                                                   Cloud, 3, std::uint32_t>;
-
-  SurfacePoints surface_;
-  Cloud cloud_;
-  Tree tree_;
-};
-
 struct Keyframe {
   Pose3 T_odom_keyframe;
-  std::unique_ptr<KeyframeTarget> target;
+  std::unique_ptr<KdTreeTarget> target;
 };
 
 class KeyframeGicpOdometry final : public ScanOdometry {
@@ -88,7 +50,7 @@ Expected<OdometryEstimate, OdometryFailure> KeyframeGicpOdometry::update(
     OdometryEstimate first{scan.stamp, Pose3(), Pose3()};
     first.diagnostics.points = surface.size();
     first.diagnostics.inlier_ratio = 1.0;
-    keyframe_ = Keyframe{Pose3(), std::make_unique<KeyframeTarget>(std::move(surface))};
+    keyframe_ = Keyframe{Pose3(), std::make_unique<KdTreeTarget>(std::move(surface))};
     last_stamp_ = scan.stamp;
     return first;
   }
@@ -100,7 +62,7 @@ Expected<OdometryEstimate, OdometryFailure> KeyframeGicpOdometry::update(
   const OdometryEstimate estimate = estimateOf(scan.stamp, *found);
   if (farFromKeyframe(found->T_target_base)) {
     keyframe_ =
-        Keyframe{estimate.T_odom_base, std::make_unique<KeyframeTarget>(std::move(surface))};
+        Keyframe{estimate.T_odom_base, std::make_unique<KdTreeTarget>(std::move(surface))};
     T_keyframe_last_ = Pose3();
     last_covariance_.setZero();
   }

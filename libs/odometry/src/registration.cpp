@@ -61,11 +61,16 @@ class Solver {
       : scan_(scan), target_(target), prior_(prior), params_(params), pool_(pool) {}
 
   Expected<Registration, OdometryFailure> run();
+  Expected<Registration, OdometryFailure> assess();
 
  private:
   Strictness strictnessAt(int iteration) const;
   bool strictest(const Strictness& s) const {
     return s.correspondence_m <= params_.min_correspondence_m && s.kernel_m <= params_.kernel_m;
+  }
+  bool enough(const NormalEquations& sums) const {
+    return sums.matched >= static_cast<std::size_t>(params_.min_correspondences) &&
+           sums.normal_weight > 0.0;
   }
   NormalEquations linearize(const Iterate& at, const Strictness& strictness) const;
   void linearizeBlock(const Iterate& at, const Strictness& strictness, std::size_t begin,
@@ -253,10 +258,13 @@ Registration Solver::result(const Iterate& at, const System& system, const Norma
     found.covariance.rightCols<12>().setZero();
   }
   OdometryDiagnostics& diagnostics = found.diagnostics;
+  const auto points = static_cast<double>(scan_.size());
   diagnostics.points = scan_.size();
-  diagnostics.inlier_ratio = static_cast<double>(sums.inliers) / static_cast<double>(scan_.size());
+  diagnostics.overlap = static_cast<double>(sums.matched) / points;
+  diagnostics.inlier_ratio = static_cast<double>(sums.inliers) / points;
   diagnostics.residual_rms_m = std::sqrt(sums.squared_residuals / sums.normal_weight);
   diagnostics.iterations = iterations;
+  diagnostics.smallest_share = degeneracy_.smallest_share;
   diagnostics.degenerate_directions = J.topLeftCorner<6, 6>() * degeneracy_.directions;
   return found;
 }
@@ -266,10 +274,7 @@ Expected<Registration, OdometryFailure> Solver::run() {
   for (int iteration = 0; iteration < params_.max_iterations; ++iteration) {
     const Strictness strictness = strictnessAt(iteration);
     const NormalEquations sums = linearize(at, strictness);
-    if (sums.matched < static_cast<std::size_t>(params_.min_correspondences) ||
-        !(sums.normal_weight > 0.0)) {
-      return make_unexpected(OdometryFailure::kNoOverlap);
-    }
+    if (!enough(sums)) return make_unexpected(OdometryFailure::kNoOverlap);
     const System system = buildSystem(at, sums);
     const Vector18 step =
         system.allOfS() * Eigen::LDLT<Matrix18>(system.information).solve(system.pull);
@@ -281,6 +286,14 @@ Expected<Registration, OdometryFailure> Solver::run() {
     }
   }
   return make_unexpected(OdometryFailure::kNotConverged);
+}
+
+Expected<Registration, OdometryFailure> Solver::assess() {
+  const Iterate at{prior_.T_target_base, prior_.motion};
+  const NormalEquations sums = linearize(at, {params_.min_correspondence_m, params_.kernel_m});
+  if (!enough(sums)) return make_unexpected(OdometryFailure::kNoOverlap);
+  const System system = buildSystem(at, sums);
+  return result(at, system, sums, 0);
 }
 
 }  // namespace
@@ -332,6 +345,17 @@ Expected<Registration, OdometryFailure> registerScan(const SurfacePoints& scan,
     return make_unexpected(OdometryFailure::kTooFewPoints);
   }
   return Solver(scan, target, prior, params, pool).run();
+}
+
+Expected<Registration, OdometryFailure> assessRegistration(const SurfacePoints& scan,
+                                                           const RegistrationTarget& target,
+                                                           const RegistrationPrior& prior,
+                                                           const RegistrationParams& params,
+                                                           WorkerPool& pool) {
+  if (scan.size() < static_cast<std::size_t>(params.min_correspondences)) {
+    return make_unexpected(OdometryFailure::kTooFewPoints);
+  }
+  return Solver(scan, target, prior, params, pool).assess();
 }
 
 }  // namespace dynemo

@@ -11,6 +11,8 @@ struct Degeneracy {
   Eigen::Matrix<double, 6, Eigen::Dynamic> directions = Eigen::Matrix<double, 6, 0>();
   /// Projects onto the observed directions.
   Matrix6 projector = Matrix6::Identity();
+  /// The smallest eigenvalue.
+  double smallest_share = 0.0;
 
   bool any() const { return directions.cols() > 0; }
 };

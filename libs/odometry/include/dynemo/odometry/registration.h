@@ -72,4 +72,12 @@ Expected<Registration, OdometryFailure> registerScan(const SurfacePoints& scan,
                                                      const RegistrationParams& params,
                                                      WorkerPool& pool);
 
+/// How well the scan fits at prior.T_target_base as it is, with the final strictness of `params`:
+/// no step is made. The same covariance and diagnostics as after a registration.
+Expected<Registration, OdometryFailure> assessRegistration(const SurfacePoints& scan,
+                                                           const RegistrationTarget& target,
+                                                           const RegistrationPrior& prior,
+                                                           const RegistrationParams& params,
+                                                           WorkerPool& pool);
+
 }  // namespace dynemo

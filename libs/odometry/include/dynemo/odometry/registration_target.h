@@ -23,7 +23,8 @@ struct CorrespondenceGate {
 class RegistrationTarget {
  public:
   virtual ~RegistrationTarget() = default;
-  /// The nearest allowed point to p; false when there is none. Ties go to the point inserted first.
+  /// The nearest allowed point to p; false when there is none. Ties are settled the same way every
+  /// time.
   virtual bool nearest(const Eigen::Vector3f& p, const Eigen::Vector3f& normal,
                        const CorrespondenceGate& gate, Correspondence& found) const = 0;
 };

@@ -22,11 +22,16 @@ struct OdometryParams;
 struct OdometryDiagnostics {
   /// Points of the reduced scan that took part.
   std::size_t points = 0;
-  /// Share of them with a close correspondence, in [0, 1].
+  /// Share of them with a correspondence at all, in [0, 1].
+  double overlap = 0.0;
+  /// Share of them with a close correspondence along the normal, in [0, 1].
   double inlier_ratio = 0.0;
   /// Weighted root mean square of the distances along the normals [m].
   double residual_rms_m = 0.0;
   int iterations = 0;
+  /// Smallest eigenvalue of the mean Hessian (Degeneracy): the share of a displacement that shows
+  /// along the normals in the direction where least of it does.
+  double smallest_share = 0.0;
   /// Directions the scan did not observe, carried by the prediction: columns are unit vectors of
   /// the right tangent of T_odom_base with the rotations scaled by a length; empty when all six
   /// were observed.

@@ -1,0 +1,74 @@
+#include "pcl_gicp.h"
+
+#include <pcl/console/print.h>
+#include <pcl/registration/gicp.h>
+
+#include "assess_match.h"
+#include "pcl_points.h"
+
+namespace dynemo {
+namespace {
+
+using Gicp = pcl::GeneralizedIterativeClosestPoint<pcl::PointXYZ, pcl::PointXYZ>;
+
+/// Variance across a surface relative to along it, as PCL's own covariances have it.
+constexpr double kThickness = 1e-3;
+
+Gicp::MatricesVectorPtr covariances(const SurfacePoints& surface) {
+  Gicp::MatricesVectorPtr all(new Gicp::MatricesVector());
+  all->reserve(surface.size());
+  for (const Eigen::Vector3f& normal : surface.normals) {
+    const Vector3 n = normal.cast<double>();
+    all->push_back(Matrix3::Identity() - (1.0 - kThickness) * n * n.transpose());
+  }
+  return all;
+}
+
+class PclGicp final : public ScanMatcher {
+ public:
+  explicit PclGicp(const MatchingParams& params)
+      : params_(params.pcl_gicp),
+        assessment_(params.assessment),
+        min_points_(static_cast<std::size_t>(params.min_points)) {
+    pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+  }
+
+  Expected<ScanMatch, MatchFailure> match(const MatchScan& target, const MatchScan& source,
+                                          const MatchRequest& request) const override;
+
+ private:
+  PclGicpParams params_;
+  AssessmentParams assessment_;
+  std::size_t min_points_;
+};
+
+Expected<ScanMatch, MatchFailure> PclGicp::match(const MatchScan& target, const MatchScan& source,
+                                                 const MatchRequest& request) const {
+  if (std::min(target.size(), source.size()) < min_points_)
+    return make_unexpected(MatchFailure::kTooFewPoints);
+  Gicp gicp;
+  gicp.setMaxCorrespondenceDistance(params_.max_correspondence_m);
+  gicp.setMaximumIterations(params_.max_iterations);
+  gicp.setTransformationEpsilon(params_.translation_tolerance_m);
+  gicp.setRotationEpsilon(params_.rotation_tolerance_rad);
+  gicp.setInputTarget(toPcl(target.surface()));
+  gicp.setTargetCovariances(covariances(target.surface()));
+  gicp.setInputSource(toPcl(source.surface()));
+  gicp.setSourceCovariances(covariances(source.surface()));
+  pcl::PointCloud<pcl::PointXYZ> aligned;
+  try {
+    gicp.align(aligned, toPcl(request.T_target_source_guess));
+  } catch (const std::exception&) {
+    return make_unexpected(MatchFailure::kNotConverged);
+  }
+  if (!gicp.hasConverged()) return make_unexpected(MatchFailure::kNotConverged);
+  return assessMatch(target, source, fromPcl(gicp.getFinalTransformation()), 0, assessment_);
+}
+
+}  // namespace
+
+std::unique_ptr<ScanMatcher> makePclGicp(const MatchingParams& params) {
+  return std::make_unique<PclGicp>(params);
+}
+
+}  // namespace dynemo
