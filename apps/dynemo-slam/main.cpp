@@ -118,6 +118,7 @@ void processAll(FrameSource& source, SlamPipeline& pipeline, RunFolder& folder, 
     pipeline.process(std::move(*frame), timing);
     folder.frame(index, stamp, timing);
     folder.optimizations(pipeline.optimizations());
+    folder.loops(pipeline.loops());
     progress.update(source.progress().fraction, source.progress().dataset_s);
     if (!checkpoint) checkpoint = stamp;
     if (secondsBetween(*checkpoint, stamp) >= checkpoint_s) {
@@ -165,6 +166,7 @@ int run(const Options& o) {
   progress.clear();
   pipeline.finish();
   folder.optimizations(pipeline.optimizations());
+  folder.loops(pipeline.loops());
   if (pipeline.frames().empty())
     throw DataError(identity.rawlog + ": holds no frame that could be used");
 

@@ -25,8 +25,8 @@ void expectSameFiles(const fs::path& a, const fs::path& b) {
   const auto files_a = contents(a), files_b = contents(b);
   for (const char* name :
        {"trajectory.tum", "keyframes.tum", "odometry.tum", "entities.csv", "graph.g2o",
-        "graph.graph", "scene.3Dscene", "summary.json", "config.yaml", "log.txt",
-        "session/graph.bin", "session/clouds/000000.bin"}) {
+        "graph.graph", "scene.3Dscene", "map.png", "summary.json", "config.yaml", "log.txt",
+        "loops.csv", "session/graph.bin", "session/clouds/000000.bin"}) {
     EXPECT_TRUE(files_a.contains(name)) << name;
   }
   for (const auto& [name, bytes] : files_a) {

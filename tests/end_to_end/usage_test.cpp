@@ -82,15 +82,10 @@ TEST(Usage, NamesThatNoRegistryKnowsAreAnsweredWithTheKnownOnes) {
     return slam(slamCommand(d, folder / "run", {"--set", value}));
   };
   expectRefusal(set("perception.detectors=[nope]"), kUsage, {"nope", "apriltag, external"});
+  expectRefusal(set("loops.prefilter.method=nope"), kUsage, {"nope", "always, motion, none"});
   expectRefusal(set("outputs=[trajectory, nope]"), kUsage,
                 {"outputs", "nope", "session", "trajectory"});
   EXPECT_FALSE(fs::exists(folder / "run")) << "refused before anything is written";
-}
-
-TEST(Usage, WhatThisVersionCannotDoIsRefused) {
-  const TemporaryFolder folder;
-  expectRefusal(slam(slamCommand(bundledSample(), folder / "run", {"--set", "loops.enabled=true"})),
-                kUsage, {"loops.enabled"});
 }
 
 TEST(Usage, ADumpThatCannotBeWrittenIsAnError) {

@@ -112,6 +112,19 @@ Json changesJson(const ChangeReport& changes) {
           {"objects_at_end", toJson(changes.objects_at_end)}};
 }
 
+Json toJson(const LoopReport& loops) {
+  return {{"closures", loops.closures},
+          {"right", loops.right},
+          {"precision", loops.precision()},
+          {"closable", loops.closable},
+          {"recalled", loops.recalled},
+          {"recall", number(loops.recall())},
+          {"removed", loops.removed},
+          {"removed_right", loops.removed_right},
+          {"without_truth", loops.without_truth},
+          {"errors", toJson(loops.errors)}};
+}
+
 Json toJson(const EntityReport& report) {
   return {
       {"nodes", report.errors.nodes.size()},
@@ -130,6 +143,7 @@ std::string reportJson(const RunReport& report) {
   Json json = {{"run", report.run}, {"trajectory", toJson(report.trajectory)}};
   if (report.keyframes) json["keyframes"] = toJson(*report.keyframes);
   if (report.odometry) json["odometry"] = toJson(*report.odometry);
+  if (report.loops) json["loops"] = toJson(*report.loops);
   if (report.entities) json["entities"] = toJson(*report.entities);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }

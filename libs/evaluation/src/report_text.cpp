@@ -60,6 +60,24 @@ std::string trajectoryText(const RunReport& report) {
   return text;
 }
 
+std::string loopText(const LoopReport& loops) {
+  std::string text = formatted("\n%-34s %10s %10s %10s\n", "Loop closures", "share", "of", "all");
+  const auto row = [&](const char* name, double value, std::size_t part, std::size_t whole) {
+    text += formatted("  %-32s", name) + cell(value, 3) + formatted(" %10zu %10zu\n", part, whole);
+  };
+  row("precision: right", loops.precision(), loops.right, loops.closures);
+  row("recall: closable keyframes", loops.recall(), loops.recalled, loops.closable);
+  if (loops.removed > 0) {
+    text +=
+        formatted("  %zu taken out again, %zu of them right\n", loops.removed, loops.removed_right);
+  }
+  if (loops.without_truth > 0)
+    text += formatted("  %zu closures are not covered by the reference\n", loops.without_truth);
+  if (loops.closures == 0) return text;
+  return text + statisticsHeader("Errors of loop closures") +
+         poseRows("relative pose", loops.errors);
+}
+
 std::string entityText(const EntityReport& report) {
   std::string text = statisticsHeader("Entities (aligned as trajectory)");
   const EntityErrors& errors = report.errors;
@@ -141,6 +159,7 @@ std::string consistencyText(const EntityErrors& errors) {
 
 std::string reportText(const RunReport& report) {
   std::string text = report.run + '\n' + trajectoryText(report);
+  if (report.loops) text += loopText(*report.loops);
   if (report.entities) {
     text += entityText(*report.entities) + placementsText(report.entities->errors) +
             perEntityText(report.entities->errors) + changesText(report.entities->changes) +

@@ -13,6 +13,13 @@ std::optional<TrajectoryReport> evaluateIfPresent(const fs::path& file,
   return evaluateTrajectory(reference, readTum(file), file.string());
 }
 
+std::optional<LoopReport> evaluateLoopsIfPresent(const fs::path& run, const Trajectory& reference) {
+  const fs::path loops = run / "loops.csv", keyframes = run / "keyframes.tum";
+  if (!fs::exists(loops) || !fs::exists(keyframes)) return std::nullopt;
+  return evaluateLoops(readLoopEstimates(loops), readTum(keyframes), reference,
+                       readLoopGate(run / "config.yaml"));
+}
+
 EntityReport evaluateEntityFile(const fs::path& file, const EntityTruths& truths,
                                 const Pose3& T_world_map) {
   EntityReport report;
@@ -52,6 +59,7 @@ RunReport evaluateRun(const fs::path& run, const Trajectory& reference,
   report.trajectory = evaluateTrajectory(reference, readTum(trajectory), trajectory.string());
   report.odometry = evaluateIfPresent(run / "odometry.tum", reference);
   report.keyframes = evaluateIfPresent(run / "keyframes.tum", reference);
+  report.loops = evaluateLoopsIfPresent(run, reference);
   if (truths) {
     report.entities =
         evaluateEntityFile(run / "entities.csv", *truths, report.trajectory.T_reference_estimate);

@@ -21,5 +21,7 @@ std::unique_ptr<Exporter> makeG2oExporter();
 std::unique_ptr<Exporter> makeMrptGraphExporter();
 /// scene.3Dscene: everything in one picture, for SceneViewer3D.
 std::unique_ptr<Exporter> makeScene3dExporter();
+/// map.png: structure and path from above, before and after the loop closures.
+std::unique_ptr<Exporter> makeMapFigureExporter();
 
 }  // namespace dynemo

@@ -12,6 +12,7 @@ const ExporterRegistry& exporters() {
     r.add("g2o", makeG2oExporter);
     r.add("graph", makeMrptGraphExporter);
     r.add("3dscene", makeScene3dExporter);
+    r.add("map", makeMapFigureExporter);
     return r;
   }();
   return registry;

@@ -9,10 +9,6 @@ void fields(FieldVisitor& v, RobotOdometryParams& p) {
   v.section("lidar", p.lidar, "Odometry estimated from the scans");
 }
 
-void fields(FieldVisitor& v, LoopParams& p) {
-  v.flag("enabled", p.enabled, "Close loops between keyframes");
-}
-
 void fields(FieldVisitor& v, DynemoParams& p) {
   v.section("sensors", p.sensors,
             "Which observations of the rawlog are used, and how they are synchronised");

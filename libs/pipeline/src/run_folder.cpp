@@ -96,7 +96,8 @@ RunFolder::RunFolder(const fs::path& folder, const DynemoParams& params)
       config_yaml_(toYaml(params)),
       log_(folder / "log.txt"),
       timing_(folder / "timing.csv"),
-      optimizations_(folder / "optimizations.csv") {
+      optimizations_(folder / "optimizations.csv"),
+      loops_(folder / "loops.csv") {
   writeFileAtomically(folder_ / "config.yaml", config_yaml_);
   std::string header = "frame,timestamp";
   for (const char* stage : kStageNames) header += std::string(",") + stage + "_ms";
@@ -105,6 +106,7 @@ RunFolder::RunFolder(const fs::path& folder, const DynemoParams& params)
       "frame,timestamp,nodes,edges,iterations,factorizations,cost_before,cost_after,stop,ordering_"
       "ms,symbolic_ms,"
       "linearize_ms,numeric_ms,solve_ms,ms");
+  loops_.line(loopRecordHeader());
 }
 
 void RunFolder::frame(std::uint64_t index, Stamp stamp, const FrameTiming& timing) {
@@ -130,7 +132,18 @@ void RunFolder::optimizations(const std::vector<OptimizationRecord>& all) {
   }
 }
 
+void RunFolder::loops(const std::vector<LoopRecord>& all) {
+  for (; loops_written_ < all.size(); ++loops_written_)
+    loops_.line(loopRecordRow(all[loops_written_]));
+}
+
 namespace {
+
+Json loopsJson(const SlamPipeline& pipeline) {
+  std::map<std::string, std::size_t> decisions = {{"accepted", 0}, {"rejected", 0}, {"removed", 0}};
+  for (const LoopRecord& loop : pipeline.loops()) ++decisions[loopDecisionName(loop.decision)];
+  return {{"closures", decisions["accepted"] - decisions["removed"]}, {"decisions", decisions}};
+}
 
 Json summaryJson(const SlamPipeline& pipeline, const IngestReport& ingest,
                  const RunIdentity& identity) {
@@ -144,6 +157,7 @@ Json summaryJson(const SlamPipeline& pipeline, const IngestReport& ingest,
                   {"keyframes", keyframesJson(graph)},
                   {"graph", graphJson(graph)},
                   {"entities", entitiesJson(graph)},
+                  {"loops", loopsJson(pipeline)},
                   {"T_map_odom", poseJson(graph.T_map_odom)},
                   {"floors", Json::array()}};
   if (const auto& cov = pipeline.driftCovariance()) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "dynemo/loops/without_closures.h"
 #include "dynemo/mapping/ground_plane.h"
 #include "dynemo/perception/fragments.h"
 
@@ -14,9 +15,8 @@ SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& model
       tracker_(params.odometry, rawlog_odometry),
       policy_(params.keyframes),
       builder_(params.mapping, models),
+      loops_(params.loops),
       optimizer_(params.solver) {
-  if (params.loops.enabled)
-    throw ConfigError("loops.enabled: true: this version closes no loops yet");
   for (const std::string& name : params.perception.detectors) {
     detectors_.push_back(entityDetectors().make(name, params.perception, models));
   }
@@ -35,6 +35,7 @@ void SlamPipeline::process(SensorFrame frame, FrameTiming& timing) {
   // Back-end: nodes and constraints of the new keyframe, then everything jointly (Sec. IV).
   if (reasons != 0) {
     map(select(frame, robot, reasons, std::move(observations), timing), timing);
+    closeLoops(timing);
     optimize(frame, timing);
   }
   record(frame, robot);
@@ -148,6 +149,17 @@ void SlamPipeline::map(const KeyframeData& keyframe, FrameTiming& timing) {
          keyframe.observations.size());
 }
 
+void SlamPipeline::closeLoops(FrameTiming& timing) {
+  const ScopedStage stage(timing, Stage::kLoops);
+  const std::size_t decided = loops_.records().size();
+  graph_.apply(loops_.close(graph_, optimizer_));
+  for (std::size_t i = decided; i < loops_.records().size(); ++i) {
+    const LoopRecord& loop = loops_.records()[i];
+    logFmt(mrpt::system::LVL_DEBUG, "loop %s - %s: %s %s", loop.earlier_stamp.text().c_str(),
+           loop.later_stamp.text().c_str(), loopDecisionName(loop.decision), loop.reason.c_str());
+  }
+}
+
 void SlamPipeline::optimize(const SensorFrame& frame, FrameTiming& timing) {
   const ScopedStage stage(timing, Stage::kOptimization);
   runOptimizer(frame.index, frame.stamp);
@@ -172,9 +184,23 @@ void SlamPipeline::record(const SensorFrame& frame, const RobotState& robot) {
 
 void SlamPipeline::finish() {
   if (graph_.keyframes().empty()) return;
-  runOptimizer(graph_.keyframes().back()->frame_index, graph_.keyframes().back()->stamp);
+  settleLoops();
   updateTrajectory();
   updateCovariances();
+  const auto& outputs = params_.outputs;
+  if (loops_.closures() > 0 && std::find(outputs.begin(), outputs.end(), "map") != outputs.end())
+    keyframes_without_closures_ = keyframesWithoutClosures(graph_, params_.solver);
+}
+
+void SlamPipeline::settleLoops() {
+  // Each round takes closures out, so that it comes to an end.
+  const CNodeKeyframe& newest = *graph_.keyframes().back();
+  GraphDelta taken_out;
+  do {
+    runOptimizer(newest.frame_index, newest.stamp);
+    taken_out = loops_.review(graph_);
+    graph_.apply(taken_out);
+  } while (!taken_out.empty());
 }
 
 void SlamPipeline::updateTrajectory() {
@@ -219,6 +245,7 @@ void SlamPipeline::updateCovariances() {
 std::map<std::string, std::uint64_t> SlamPipeline::warnings() const {
   auto all = warnings_;
   for (const auto& [text, count] : tracker_.warnings()) all[text] += count;
+  for (const auto& [text, count] : loops_.warnings()) all[text] += count;
   for (const auto& detector : detectors_) {
     for (const auto& [text, count] : detector->warnings()) all[text] += count;
   }

@@ -62,7 +62,7 @@ INSTANTIATE_TEST_SUITE_P(Registry, EveryExporter, ::testing::ValuesIn(exporters(
 
 TEST(ExporterRegistry, HasTheDocumentedFormats) {
   for (const char* name :
-       {"trajectory", "keyframes", "odometry", "entities", "g2o", "graph", "3dscene"}) {
+       {"trajectory", "keyframes", "odometry", "entities", "g2o", "graph", "3dscene", "map"}) {
     EXPECT_TRUE(exporters().contains(name)) << name;
   }
 }

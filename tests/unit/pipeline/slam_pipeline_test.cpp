@@ -146,9 +146,9 @@ TEST(SlamPipeline, NothingIsDoneWithoutFrames) {
   EXPECT_TRUE(pipeline.frames().empty());
 }
 
-TEST(SlamPipeline, LoopsCannotBeAskedFor) {
+TEST(SlamPipeline, APrefilterMustBeAKnownOne) {
   DynemoParams params;
-  params.loops.enabled = true;
+  params.loops.prefilter.method = "sometimes";
   const EntityModels models;
   EXPECT_THROW(SlamPipeline(params, models, true), ConfigError);
 }

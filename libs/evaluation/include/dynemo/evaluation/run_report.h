@@ -6,6 +6,7 @@
 #include <string>
 
 #include "dynemo/evaluation/entity_change.h"
+#include "dynemo/evaluation/loop_error.h"
 #include "dynemo/evaluation/trajectory_error.h"
 
 namespace dynemo {
@@ -34,6 +35,7 @@ struct RunReport {
   /// Where the run has the file.
   std::optional<TrajectoryReport> keyframes, odometry;
   std::optional<EntityReport> entities;
+  std::optional<LoopReport> loops;
 };
 
 /// `run` is a run's folder or one TUM file. Throws DataError when a file is missing or malformed.

@@ -17,7 +17,8 @@ class Exporter {
   virtual void write(const RunResult& run, const std::filesystem::path& file) const = 0;
 };
 
-/// By name as in the configuration's `outputs`: trajectory, keyframes, odometry, entities, g2o, graph, 3dscene.
+/// By name as in the configuration's `outputs`: trajectory, keyframes, odometry, entities, g2o,
+/// graph, 3dscene, map.
 using ExporterRegistry = Registry<Exporter>;
 const ExporterRegistry& exporters();
 

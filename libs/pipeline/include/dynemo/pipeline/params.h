@@ -7,6 +7,7 @@
 #include "dynemo/backend/optimizer.h"
 #include "dynemo/core/fields.h"
 #include "dynemo/ingest/ingest_params.h"
+#include "dynemo/loops/loop_params.h"
 #include "dynemo/mapping/delta_builder.h"
 #include "dynemo/mapping/keyframe_policy.h"
 #include "dynemo/mapping/odometry_noise.h"
@@ -28,11 +29,6 @@ struct RobotOdometryParams {
 };
 void fields(FieldVisitor& v, RobotOdometryParams& p);
 
-struct LoopParams {
-  bool enabled = false;
-};
-void fields(FieldVisitor& v, LoopParams& p);
-
 struct DynemoParams {
   IngestParams sensors;
   RobotOdometryParams odometry;
@@ -42,8 +38,8 @@ struct DynemoParams {
   LoopParams loops;
   SolverParams solver;
   /// Registered exporters whose files the run folder gets.
-  std::vector<std::string> outputs = {"trajectory", "keyframes", "odometry", "entities",
-                                      "g2o",        "graph",     "3dscene",  "session"};
+  std::vector<std::string> outputs = {"trajectory", "keyframes", "odometry", "entities", "g2o",
+                                      "graph",      "3dscene",   "map",      "session"};
   /// Results so far are written every so many seconds of the dataset, for runs that get killed.
   double checkpoint_s = 60.0;
 };

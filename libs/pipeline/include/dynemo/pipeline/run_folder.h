@@ -23,7 +23,8 @@ struct RunCost {
 
 class RunFolder {
  public:
-  /// Creates the folder and opens log.txt, timing.csv and optimizations.csv; writes config.yaml.
+  /// Creates the folder and opens log.txt, timing.csv, optimizations.csv and loops.csv; writes
+  /// config.yaml.
   /// Throws ConfigError for an output that does not exist, before anything is written, and
   /// DataError when the folder or a file cannot be made.
   RunFolder(const std::filesystem::path& folder, const DynemoParams& params);
@@ -32,6 +33,8 @@ class RunFolder {
   void frame(std::uint64_t index, Stamp stamp, const FrameTiming& timing);
   /// Appends the optimisations that are not in the file yet.
   void optimizations(const std::vector<OptimizationRecord>& all);
+  /// Appends the decisions about loop closures that are not in the file yet.
+  void loops(const std::vector<LoopRecord>& all);
 
   /// Writes the light results (trajectories, entities, summary) of a run that goes on.
   void checkpoint(SlamPipeline& pipeline, const IngestReport& ingest, const RunIdentity& identity);
@@ -49,8 +52,8 @@ class RunFolder {
   std::vector<std::string> outputs_;
   std::filesystem::path folder_;
   std::string config_yaml_;
-  AppendFile log_, timing_, optimizations_;
-  std::size_t optimizations_written_ = 0;
+  AppendFile log_, timing_, optimizations_, loops_;
+  std::size_t optimizations_written_ = 0, loops_written_ = 0;
   double optimization_ms_ = 0;
   std::vector<FrameTiming> timings_;
 };

@@ -11,6 +11,7 @@
 #include "dynemo/exporters/run_result.h"
 #include "dynemo/graph/scene_graph.h"
 #include "dynemo/ingest/sensor_frame.h"
+#include "dynemo/loops/loop_closer.h"
 #include "dynemo/mapping/delta_builder.h"
 #include "dynemo/mapping/keyframe_policy.h"
 #include "dynemo/perception/entity_detector.h"
@@ -45,11 +46,15 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   const CSceneGraph& graph() const { return graph_; }
   /// Frames so far; T_map_base is current as of the last finish().
   const std::vector<FramePose>& frames() const { return frames_; }
-  RunResult result() const { return {graph_, frames_, entity_covariances_}; }
+  RunResult result() const {
+    return {graph_, frames_, entity_covariances_, keyframes_without_closures_};
+  }
   /// Covariance of the drift T_map_odom's right tangent as of the last finish(), when the gauge
   /// allows it.
   const std::optional<Matrix6>& driftCovariance() const { return drift_covariance_; }
   const std::vector<OptimizationRecord>& optimizations() const { return optimizations_; }
+  /// Every decision about a loop closure so far.
+  const std::vector<LoopRecord>& loops() const { return loops_.records(); }
   /// Counted warnings of all stages.
   std::map<std::string, std::uint64_t> warnings() const;
 
@@ -70,6 +75,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   KeyframeData select(const SensorFrame& frame, const RobotState& robot, std::uint32_t reasons,
                       std::vector<EntityObservation> observations, FrameTiming& timing);
   void map(const KeyframeData& keyframe, FrameTiming& timing);
+  void closeLoops(FrameTiming& timing);
   void optimize(const SensorFrame& frame, FrameTiming& timing);
 
   std::map<EntityId, Matrix6> relativeCovariances(
@@ -77,6 +83,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
       const Matrix6& odometry_covariance);
   std::optional<double> groundLevel(const SensorFrame& frame, const RobotState& robot) const;
   void runOptimizer(std::uint64_t frame_index, Stamp stamp);
+  void settleLoops();
   void updateCovariances();
 
   DynemoParams params_;
@@ -84,6 +91,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   std::vector<std::unique_ptr<EntityDetector>> detectors_;
   KeyframePolicy policy_;
   DeltaBuilder builder_;
+  LoopCloser loops_;
   Optimizer optimizer_;
 
   CSceneGraph graph_;
@@ -91,6 +99,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   std::vector<std::size_t>
       keyframe_of_frame_;  ///< index of the latest keyframe at or before each frame
   std::map<NodeId, Matrix6> entity_covariances_;
+  std::vector<Pose3> keyframes_without_closures_;
   std::optional<Matrix6> drift_covariance_;
   std::vector<OptimizationRecord> optimizations_;
   std::map<std::string, std::uint64_t> warnings_;

@@ -14,12 +14,13 @@ enum class Stage {
   kKeyframe,
   kFragments,
   kMapping,
+  kLoops,
   kOptimization,
   kCount
 };
 
 constexpr std::array<const char*, static_cast<std::size_t>(Stage::kCount)> kStageNames = {
-    "ingest", "odometry", "detection", "keyframe", "fragments", "mapping", "optimization"};
+    "ingest", "odometry", "detection", "keyframe", "fragments", "mapping", "loops", "optimization"};
 
 /// Wall time of each stage of one frame [ms].
 struct FrameTiming {

@@ -1,0 +1,279 @@
+#include "dynemo/loops/loop_closer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "dynemo/graph/edge_relative_pose.h"
+#include "dynemo/loops/verification.h"
+#include "dynemo/matching/assess_match.h"
+#include "dynemo/matching/matcher_chain.h"
+
+namespace dynemo {
+namespace {
+
+/// A few hundred kilobytes each.
+constexpr std::size_t kCachedScans = 100;
+
+}  // namespace
+
+LoopCloser::LoopCloser(const LoopParams& params)
+    : LoopCloser(params, makeScanMatcher(params.matching)) {}
+
+LoopCloser::LoopCloser(const LoopParams& params, std::unique_ptr<ScanMatcher> matcher)
+    : params_(params),
+      search_(params.candidates, params.entities),
+      prefilter_(entityPrefilters().make(params.prefilter.method, params.prefilter)),
+      matcher_(std::move(matcher)),
+      closures_({params.verification.probability, params.verification.drift_scale,
+                 params.verification.max_chain_sigma_m}),
+      scans_(params.matching.scan, kCachedScans) {}
+
+LoopCloser::~LoopCloser() = default;
+
+std::size_t LoopCloser::closures() const {
+  return static_cast<std::size_t>(std::count_if(entries_.begin(), entries_.end(),
+                                                [](const Entry& e) { return e.edge.has_value(); }));
+}
+
+GraphDelta LoopCloser::close(const CSceneGraph& graph, Optimizer& optimizer) {
+  GraphDelta delta;
+  if (!params_.enabled) return delta;
+  chain_.extend(graph);
+  const Stamp now = graph.keyframes().back()->stamp;
+  reviewInto(graph, now, delta);
+
+  std::optional<Attempt> best;
+  for (const LoopPair& pair : pairs(graph, optimizer)) {
+    Attempt tried = attempt(graph, pair);
+    if (!tried.measured) {
+      records_.push_back(std::move(tried.record));
+      continue;
+    }
+    if (best && best->fit >= tried.fit) std::swap(*best, tried);
+    if (best) {
+      best->record.reason = "another candidate fits better";
+      records_.push_back(std::move(best->record));
+    }
+    best = std::move(tried);
+  }
+  if (best) {
+    closures_.add({best->record.candidate.earlier, best->record.candidate.later, *best->measured},
+                  chain_);
+    entries_.push_back({std::move(best->record), std::nullopt});
+  }
+  settle(graph, now, delta);
+  return delta;
+}
+
+GraphDelta LoopCloser::review(const CSceneGraph& graph) {
+  GraphDelta delta;
+  if (!params_.enabled || graph.keyframes().empty()) return delta;
+  const Stamp now = graph.keyframes().back()->stamp;
+  reviewInto(graph, now, delta);
+  settle(graph, now, delta);
+  return delta;
+}
+
+std::vector<LoopPair> LoopCloser::pairs(const CSceneGraph& graph, Optimizer& optimizer) {
+  std::optional<std::size_t> last;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (entries_[i].edge) last = std::max(last.value_or(0), closures_[i].later);
+  }
+  const auto candidates = search_.search(graph, chain_, last, optimizer);
+  if (candidates.empty()) return {};
+
+  const CNodeKeyframe& newest = *graph.keyframes().back();
+  std::vector<const CNodeKeyframe*> others;
+  for (const LoopCandidate& c : candidates) others.push_back(graph.keyframes()[c.earlier].get());
+  const auto predicted = relativeEstimates(graph, optimizer, newest, others);
+  if (!predicted) {
+    ++warnings_["no loop search, no marginal covariance: " + predicted.error()];
+    return {};
+  }
+  std::vector<LoopPair> pairs;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    LoopPair pair{candidates[i], others[i], &newest, (*predicted)[i], {}, {}};
+    pair.shared = sharedEntities(graph, *pair.earlier, newest);
+    pair.consensus = findConsensus(pair.shared, params_.entities);
+    pairs.push_back(std::move(pair));
+  }
+  return pairs;
+}
+
+namespace {
+
+/// Whether two hypotheses are the same to a scan matcher.
+bool isSame(const Pose3& T_a, const Pose3& T_b) {
+  constexpr double kSame_m = 0.05, kSame_rad = 0.02;
+  const Vector6 d = local(T_a, T_b);
+  return d.head<3>().norm() < kSame_m && d.tail<3>().norm() < kSame_rad;
+}
+
+MatchRequest requestFor(const PoseEstimate& seed, double sigma_factor) {
+  MatchRequest request;
+  request.T_target_source_guess = seed.T;
+  request.translation_sigma_m = sigma_factor * largestTranslationSigma(seed.covariance);
+  request.rotation_sigma_rad =
+      sigma_factor * std::sqrt(seed.covariance.diagonal().tail<3>().maxCoeff());
+  return request;
+}
+
+}  // namespace
+
+LoopCloser::Attempt LoopCloser::attempt(const CSceneGraph& graph, const LoopPair& pair) {
+  // Where most objects share one displacement that the robot's drift explains, they did not move:
+  // it shows where to search, and their points stay (drift is not motion).
+  const double max_squared = chiSquaredQuantile(6, params_.verification.probability);
+  const bool drifted = pair.consensus &&
+                       !isSame(pair.predicted.T, pair.consensus->earlier_later.T) &&
+                       distanceFromGraph(pair.consensus->earlier_later, pair.predicted,
+                                         params_.prefilter.drift_scale) <= max_squared;
+  Attempt from_graph = matchFrom(graph, pair, pair.predicted, SeedOrigin::kGraph);
+  verify(pair, from_graph);
+  if (!drifted) return from_graph;
+  Attempt from_entities =
+      matchFrom(graph, pair, pair.consensus->earlier_later, SeedOrigin::kEntities);
+  verify(pair, from_entities);
+  if (from_graph.measured.has_value() != from_entities.measured.has_value())
+    return from_graph.measured ? from_graph : from_entities;
+  return from_entities.fit >= from_graph.fit ? from_entities : from_graph;
+}
+
+LoopCloser::Attempt LoopCloser::matchFrom(const CSceneGraph& graph, const LoopPair& pair,
+                                          const PoseEstimate& seed, SeedOrigin origin) {
+  Attempt attempt;
+  LoopRecord& record = attempt.record;
+  record.decided = pair.later->stamp;
+  record.earlier = pair.earlier->id;
+  record.later = pair.later->id;
+  record.earlier_stamp = pair.earlier->stamp;
+  record.later_stamp = pair.later->stamp;
+  record.candidate = pair.candidate;
+  record.seed = seed.T;
+  record.seed_origin = origin;
+  record.scan_points_earlier = pair.earlier->scan->cloud.size();
+  record.scan_points_later = pair.later->scan->cloud.size();
+  record.filtered = prefilter_->filter(graph, pair, seed);
+
+  const MatchScan target =
+      scans_.get(*pair.earlier).without(*pair.earlier->scan, record.filtered.removed_earlier);
+  const MatchScan source =
+      scans_.get(*pair.later).without(*pair.later->scan, record.filtered.removed_later);
+  const auto at_seed = assessMatch(target, source, seed.T, 0, params_.matching.assessment);
+  if (at_seed) record.seed_inlier_ratio = at_seed->inlier_ratio;
+  const auto match =
+      matcher_->match(target, source, requestFor(seed, params_.verification.drift_scale));
+  if (!match) {
+    record.reason = "no match: " + toString(match.error());
+    return attempt;
+  }
+  record.match = *match;
+  attempt.fit = match->fit();
+  return attempt;
+}
+
+void LoopCloser::verify(const LoopPair& pair, Attempt& attempt) const {
+  LoopRecord& record = attempt.record;
+  if (!record.match) return;
+  const double max_squared = chiSquaredQuantile(6, params_.verification.probability);
+  PoseEstimate measured = honestEstimate(*record.match, params_.noise);
+  const bool entities_agree =
+      pair.consensus && squaredMahalanobis(measured, pair.consensus->earlier_later) <= max_squared;
+  if (const auto reason = refusal(*record.match, entities_agree, params_.verification)) {
+    record.reason = *reason;
+    return;
+  }
+  record.graph_distance =
+      distanceFromGraph(measured, pair.predicted, params_.verification.drift_scale);
+  if (*record.graph_distance > max_squared) {
+    record.reason = "contradicts the graph";
+    return;
+  }
+  attempt.measured = measured;
+}
+
+void LoopCloser::settle(const CSceneGraph& graph, Stamp now, GraphDelta& delta) {
+  const std::vector<bool> consistent = params_.verification.pairwise
+                                           ? closures_.consistent()
+                                           : std::vector<bool>(closures_.size(), true);
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (entries_[i].edge && !consistent[i]) takeOut(i, now, "contradicts other closures", delta);
+  }
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    Entry& entry = entries_[i];
+    if (entry.edge || closures_.discarded(i)) continue;
+    if (consistent[i]) {
+      insert(i, now, graph, delta);
+    } else if (entry.record.reason.empty()) {
+      entry.record.reason = "contradicts other closures";
+      records_.push_back(entry.record);
+    }
+  }
+}
+
+void LoopCloser::reviewInto(const CSceneGraph& graph, Stamp now, GraphDelta& delta) {
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (!entries_[i].edge) continue;
+    const auto& [earlier, later, estimate] = closures_[i];
+    const Pose3 T_earlier_later =
+        graph.keyframes()[earlier]->T_map_base().inverse() * graph.keyframes()[later]->T_map_base();
+    const double sigmas = std::sqrt(
+        squaredMahalanobis(VectorX(local(estimate.T, T_earlier_later)), estimate.covariance));
+    if (sigmas <= params_.verification.max_graph_sigmas) continue;
+    char reason[64];
+    std::snprintf(reason, sizeof(reason), "contradicts the graph by %.1f sigma", sigmas);
+    takeOut(i, now, reason, delta);
+    closures_.discard(i);
+  }
+}
+
+double LoopCloser::correlation(std::size_t index) const {
+  double sharing = 1.0;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (i == index || !entries_[i].edge) continue;
+    const Closure &a = closures_[index], &b = closures_[i];
+    const double apart_m = std::max(chain_.pathBetween_m(a.earlier, b.earlier),
+                                    chain_.pathBetween_m(a.later, b.later));
+    if (apart_m < params_.noise.correlation_m) sharing += 1.0;
+  }
+  return sharing;
+}
+
+void LoopCloser::insert(std::size_t index, Stamp now, const CSceneGraph& graph, GraphDelta& delta) {
+  const Closure& closure = closures_[index];
+  auto edge = std::make_shared<CEdgeLoopClosure>();
+  edge->id = {graph.nextEdgeId().value + delta.edges.size()};
+  edge->nodes = {graph.keyframes()[closure.earlier]->id, graph.keyframes()[closure.later]->id};
+  edge->T_1_2 = closure.earlier_later.T;
+  edge->setCovariance(correlation(index) * closure.earlier_later.covariance);
+  if (params_.noise.kernel != KernelType::kNone)
+    edge->kernel = {params_.noise.kernel, params_.noise.kernel_width};
+  delta.edges.push_back(edge);
+
+  Entry& entry = entries_[index];
+  entry.edge = edge->id;
+  LoopRecord record = entry.record;
+  record.decided = now;
+  record.decision = LoopDecision::kAccepted;
+  record.reason = entry.record.reason.empty() ? "" : "confirmed by other closures";
+  record.edge = edge->id;
+  records_.push_back(std::move(record));
+}
+
+void LoopCloser::takeOut(std::size_t index, Stamp now, const std::string& reason,
+                         GraphDelta& delta) {
+  Entry& entry = entries_[index];
+  delta.removed_edges.push_back(*entry.edge);
+  LoopRecord record = entry.record;
+  record.decided = now;
+  record.decision = LoopDecision::kRemoved;
+  record.reason = reason;
+  record.edge = entry.edge;
+  records_.push_back(std::move(record));
+  entry.edge.reset();
+  entry.record.reason = reason;
+  ++warnings_["loop closure taken out again"];
+}
+
+}  // namespace dynemo

@@ -1,0 +1,220 @@
+#include "dynemo/loops/loop_closer.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <set>
+#include <sstream>
+
+#include "dynemo/graph/edge_relative_pose.h"
+#include "dynemo/loops/without_closures.h"
+#include "loop_graph.h"
+
+namespace dynemo {
+namespace {
+
+constexpr int kLap = 24;
+
+/// Stands in for scan matching: knows the truth, and lies where it is told to.
+class TruthMatcher : public ScanMatcher {
+ public:
+  using Lie = std::function<std::optional<Pose3>(std::size_t earlier, std::size_t later)>;
+  TruthMatcher(const test::LoopGraph& drive, Lie lie) : drive_(drive), lie_(std::move(lie)) {}
+
+  Expected<ScanMatch, MatchFailure> match(const MatchScan&, const MatchScan&,
+                                          const MatchRequest& request) const override {
+    const std::size_t later = drive_.graph.keyframes().size() - 1, earlier = earlierOf(request);
+    ScanMatch match;
+    match.T_target_source =
+        drive_.trueRelative(earlier, later) * lie_(earlier, later).value_or(Pose3());
+    match.covariance = isotropicCovariance(0.002, 0.0005);
+    match.overlap = match.inlier_ratio = 0.95;
+    match.residual_rms_m = 0.01;
+    match.min_eigenvalue = 0.1;
+    return match;
+  }
+
+ private:
+  /// The keyframe that the guess is relative to.
+  std::size_t earlierOf(const MatchRequest& request) const {
+    const auto& keyframes = drive_.graph.keyframes();
+    for (std::size_t k = 0; k < keyframes.size(); ++k) {
+      const Pose3 T = keyframes[k]->T_map_base().inverse() * keyframes.back()->T_map_base();
+      if (local(T, request.T_target_source_guess).norm() < 1e-12) return k;
+    }
+    throw std::logic_error("the guess is not the graph's");
+  }
+  const test::LoopGraph& drive_;
+  Lie lie_;
+};
+
+TruthMatcher::Lie honest() {
+  return [](std::size_t, std::size_t) { return std::nullopt; };
+}
+
+struct Outcome {
+  double rmse_m = 0.0;
+  std::size_t closures = 0;
+  std::vector<LoopRecord> records;
+  std::size_t count(LoopDecision decision) const {
+    return static_cast<std::size_t>(std::count_if(
+        records.begin(), records.end(), [&](const auto& r) { return r.decision == decision; }));
+  }
+};
+
+Outcome run(test::LoopGraph& drive, int keyframes, const TruthMatcher::Lie& lie,
+            const LoopParams& params = {}) {
+  LoopCloser closer(params, std::make_unique<TruthMatcher>(drive, lie));
+  for (int i = 0; i < keyframes; ++i) {
+    drive.addKeyframe();
+    drive.graph.apply(closer.close(drive.graph, drive.optimizer));
+    drive.optimize();
+  }
+  for (GraphDelta delta = closer.review(drive.graph); !delta.empty();
+       delta = closer.review(drive.graph)) {
+    drive.graph.apply(delta);
+    drive.optimize();
+  }
+  return {drive.rmse_m(), closer.closures(), closer.records()};
+}
+
+std::size_t closureEdges(const CSceneGraph& graph) {
+  return static_cast<std::size_t>(std::count_if(
+      graph.edgeSlots().begin(), graph.edgeSlots().end(),
+      [](const auto& e) { return dynamic_cast<const CEdgeLoopClosure*>(e.get()) != nullptr; }));
+}
+
+test::LoopGraphParams driftingBy(double factor) {
+  test::LoopGraphParams params;
+  params.sigma_m *= factor;
+  params.sigma_rad *= factor;
+  return params;
+}
+
+TEST(LoopCloser, ClosuresTakeTheDriftOut) {
+  test::LoopGraph with, without;
+  LoopParams off;
+  off.enabled = false;
+  const Outcome closed = run(with, 2 * kLap, honest());
+  const Outcome open = run(without, 2 * kLap, honest(), off);
+  EXPECT_GT(closed.closures, 15u);
+  EXPECT_EQ(closureEdges(with.graph), closed.closures);
+  EXPECT_EQ(open.closures, 0u);
+  EXPECT_LT(closed.rmse_m, 0.6 * open.rmse_m);
+}
+
+TEST(LoopCloser, AtMostOneClosurePerKeyframeTheBest) {
+  test::LoopGraph drive;
+  const Outcome outcome = run(drive, 3 * kLap, honest());
+  std::set<NodeId> later;
+  for (const LoopRecord& record : outcome.records) {
+    if (record.decision == LoopDecision::kAccepted) EXPECT_TRUE(later.insert(record.later).second);
+  }
+  EXPECT_GT(outcome.count(LoopDecision::kRejected), 0u);
+}
+
+TEST(LoopCloser, AClosureFarFromTheGraphIsRefused) {
+  test::LoopGraph drive;
+  const Outcome outcome = run(drive, 2 * kLap, [](std::size_t, std::size_t later) {
+    return later == kLap + 5 ? std::optional(Pose3::translation(3, 0, 0)) : std::nullopt;
+  });
+  std::size_t refused = 0;
+  for (const LoopRecord& record : outcome.records) {
+    if (record.later != drive.graph.keyframes()[kLap + 5]->id) continue;
+    EXPECT_EQ(record.decision, LoopDecision::kRejected);
+    EXPECT_EQ(record.reason, "contradicts the graph");
+    ++refused;
+  }
+  EXPECT_GE(refused, 1u);
+}
+
+TEST(LoopCloser, AWrongFirstClosureIsTakenOutByLaterOnes) {
+  test::LoopGraph drive;
+  std::optional<std::size_t> first;
+  const Outcome outcome = run(drive, 2 * kLap, [&](std::size_t, std::size_t later) {
+    if (!first) first = later;
+    // Within what the odometry leaves open.
+    return later == *first ? std::optional(Pose3::translation(0.25, 0.2, 0)) : std::nullopt;
+  });
+  EXPECT_EQ(outcome.count(LoopDecision::kRemoved), 1u);
+  const NodeId wrong = drive.graph.keyframes()[*first]->id;
+  for (const auto& slot : drive.graph.edgeSlots()) {
+    const auto* edge = dynamic_cast<const CEdgeLoopClosure*>(slot.get());
+    EXPECT_FALSE(edge && edge->nodes[1] == wrong);
+  }
+  EXPECT_GT(outcome.closures, 15u);
+}
+
+/// Five of the first twenty closures wrong, in four ways.
+class WrongClosures : public testing::TestWithParam<std::tuple<const char*, double, unsigned>> {};
+
+TEST_P(WrongClosures, CostNoAccuracy) {
+  const auto [kind, drift, seed] = GetParam();
+  test::LoopGraphParams params = driftingBy(drift);
+  params.seed = seed;
+  params.claimed_scale = 1.0 / drift;  // the graph believes in the smaller error
+  std::mt19937_64 rng(seed);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<Pose3> errors;
+  for (int i = 0; i < 5; ++i) {
+    const double size = kind == std::string("far") ? 2.0 : 0.4;
+    const Pose3 random = Pose3::fromYawPitchRoll(size * uniform(rng), size * uniform(rng), 0,
+                                                 0.5 * size * uniform(rng), 0, 0);
+    errors.push_back(kind == std::string("alike") && i > 0 ? errors.front() : random);
+  }
+  const auto lie = [&](std::size_t, std::size_t later) -> std::optional<Pose3> {
+    // Every fourth keyframe of the second lap, or five in a row.
+    const bool in_a_row = kind == std::string("alike");
+    for (std::size_t i = 0; i < 5; ++i) {
+      if (later == kLap + 3 + (in_a_row ? 8 + i : 4 * i)) return errors[i];
+    }
+    return std::nullopt;
+  };
+  test::LoopGraph misled(params), clean(params);
+  const Outcome with_wrong = run(misled, 2 * kLap, lie);
+  const Outcome without = run(clean, 2 * kLap, honest());
+  EXPECT_GE(without.closures, 20u);
+  EXPECT_LE(with_wrong.rmse_m, 1.1 * without.rmse_m);
+}
+
+INSTANTIATE_TEST_SUITE_P(FiveOfTwenty, WrongClosures,
+                         testing::Combine(testing::Values("far", "near", "alike"),
+                                          testing::Values(1.0, 2.0),
+                                          testing::Values(1u, 2u, 3u, 4u)));
+
+TEST(LoopCloser, FurtherClosuresOfAPlaceWeighLess) {
+  test::LoopGraph drive;
+  run(drive, 2 * kLap, honest());
+  std::vector<double> sigma;
+  for (const auto& slot : drive.graph.edgeSlots()) {
+    const auto* edge = dynamic_cast<const CEdgeLoopClosure*>(slot.get());
+    if (edge) sigma.push_back(1.0 / std::sqrt(edge->information()(0, 0)));
+  }
+  ASSERT_GE(sigma.size(), 3u);
+  EXPECT_GT(sigma[1], 1.3 * sigma[0]);
+  EXPECT_GT(sigma[2], 1.6 * sigma[0]);
+}
+
+TEST(LoopCloser, EveryRecordIsOneRowOfTheHeadersLength) {
+  test::LoopGraph drive;
+  const Outcome outcome = run(drive, 2 * kLap, honest());
+  const auto commas = [](const std::string& s) { return std::count(s.begin(), s.end(), ','); };
+  for (const LoopRecord& record : outcome.records) {
+    const std::string row = loopRecordRow(record);
+    EXPECT_EQ(commas(row), commas(loopRecordHeader())) << row;
+    EXPECT_EQ(row.find('\n'), std::string::npos);
+    EXPECT_EQ(record.decision == LoopDecision::kRejected, !record.edge.has_value());
+  }
+}
+
+TEST(LoopCloser, WithoutClosuresTheGraphIsItsOdometry) {
+  test::LoopGraph drive;
+  run(drive, 2 * kLap, honest());
+  const auto poses = keyframesWithoutClosures(drive.graph, SolverParams{});
+  ASSERT_EQ(poses.size(), drive.graph.keyframes().size());
+  for (std::size_t k = 0; k < poses.size(); ++k)
+    EXPECT_LT(local(drive.graph.keyframes()[k]->T_odom_base, poses[k]).norm(), 1e-4);
+}
+
+}  // namespace
+}  // namespace dynemo
