@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "assess_match.h"
+#include "dynemo/matching/assess_match.h"
 #include "dynemo/core/noise.h"
 #include "dynemo/odometry/registration.h"
 #include "dynemo/odometry/worker_pool.h"

@@ -1,4 +1,4 @@
-#include "assess_match.h"
+#include "dynemo/matching/assess_match.h"
 
 #include "dynemo/odometry/registration.h"
 #include "dynemo/odometry/worker_pool.h"

@@ -7,7 +7,7 @@
 
 #include <mutex>
 
-#include "assess_match.h"
+#include "dynemo/matching/assess_match.h"
 #include "dynemo/core/mrpt_conversions.h"
 #include "dynemo/odometry/cell_index.h"
 

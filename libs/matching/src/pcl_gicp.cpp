@@ -3,7 +3,7 @@
 #include <pcl/console/print.h>
 #include <pcl/registration/gicp.h>
 
-#include "assess_match.h"
+#include "dynemo/matching/assess_match.h"
 #include "pcl_points.h"
 
 namespace dynemo {
