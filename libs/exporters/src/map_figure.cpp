@@ -115,16 +115,20 @@ MapView wholeMap(const std::vector<MapPoint>& points, const std::vector<Pose3>& 
 }
 
 /// Around the keyframe whose estimate the closures have changed most, as wide as the panel.
-MapView detail(const std::vector<Pose3>& before, const std::vector<Pose3>& after, int width_px) {
+MapView detail(const std::vector<Pose3>& before, const std::vector<Pose3>& after,
+               const MapView& whole) {
   std::size_t most = 0;
   const auto change = [&](std::size_t k) { return (after[k].t - before[k].t).norm(); };
   for (std::size_t k = 1; k < after.size(); ++k) {
     if (change(k) > change(most)) most = k;
   }
   MapView view;
-  view.pixel_m = kDetail_m / width_px;
+  view.pixel_m = kDetail_m / whole.size().width;
   const Vector2 half(0.5 * kDetail_m, 0.5 * kDetailHeight_px * view.pixel_m);
-  view.area_m = Eigen::AlignedBox2d(after[most].t.head<2>() - half, after[most].t.head<2>() + half);
+  // Inside of the whole, as far as that is large enough.
+  const Vector2 low = whole.area_m.min() + half, high = whole.area_m.max() - half;
+  const Vector2 center = after[most].t.head<2>().cwiseMin(high).cwiseMax(low);
+  view.area_m = Eigen::AlignedBox2d(center - half, center + half);
   return view;
 }
 
@@ -187,7 +191,7 @@ class MapFigureExporter : public Exporter {
     const std::array<cv::Mat, 2> maps = {panel(graph, points, before, whole, false),
                                          panel(graph, points, after, whole, true)};
     const int width = maps[0].cols, height = maps[0].rows;
-    const MapView part = detail(before, after, width);
+    const MapView part = detail(before, after, whole);
     const std::array<cv::Mat, 2> details = {panel(graph, points, before, part, false),
                                             panel(graph, points, after, part, true)};
     cv::Mat sheet =

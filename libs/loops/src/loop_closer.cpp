@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "dynemo/graph/edge_relative_pose.h"
 #include "dynemo/loops/verification.h"
 #include "dynemo/matching/assess_match.h"
 #include "dynemo/matching/matcher_chain.h"
@@ -46,24 +45,36 @@ GraphDelta LoopCloser::close(const CSceneGraph& graph, Optimizer& optimizer) {
   std::optional<Attempt> best;
   for (const LoopPair& pair : pairs(graph, optimizer)) {
     Attempt tried = attempt(graph, pair);
-    if (!tried.measured) {
-      records_.push_back(std::move(tried.record));
-      continue;
-    }
-    if (best && best->fit >= tried.fit) std::swap(*best, tried);
-    if (best) {
-      best->record.reason = "another candidate fits better";
-      records_.push_back(std::move(best->record));
-    }
+    if (best && !tried.isBetterThan(*best)) std::swap(*best, tried);
+    if (best) reject(std::move(best->record));
     best = std::move(tried);
   }
-  if (best) {
-    closures_.add({best->record.candidate.earlier, best->record.candidate.later, *best->measured},
-                  chain_);
-    entries_.push_back({std::move(best->record), std::nullopt});
-  }
+  if (best) add(std::move(*best));
   settle(graph, now, delta);
   return delta;
+}
+
+bool LoopCloser::Attempt::isBetterThan(const Attempt& other) const {
+  if (measured.has_value() != other.measured.has_value()) return measured.has_value();
+  if (doubtful != other.doubtful) return !doubtful;
+  return fit > other.fit;
+}
+
+void LoopCloser::reject(LoopRecord record) {
+  if (record.reason.empty()) record.reason = "another candidate fits better";
+  records_.push_back(std::move(record));
+}
+
+void LoopCloser::add(Attempt attempt) {
+  if (!attempt.measured) return reject(std::move(attempt.record));
+  const LoopCandidate& candidate = attempt.record.candidate;
+  const std::size_t index =
+      closures_.add({candidate.earlier, candidate.later, *attempt.measured}, chain_);
+  if (attempt.doubtful) {
+    closures_.doubt(index);
+    reject(attempt.record);
+  }
+  entries_.push_back({std::move(attempt.record), attempt.explained, 0, std::nullopt});
 }
 
 GraphDelta LoopCloser::review(const CSceneGraph& graph) {
@@ -135,9 +146,7 @@ LoopCloser::Attempt LoopCloser::attempt(const CSceneGraph& graph, const LoopPair
   Attempt from_entities =
       matchFrom(graph, pair, pair.consensus->earlier_later, SeedOrigin::kEntities);
   verify(pair, from_entities);
-  if (from_graph.measured.has_value() != from_entities.measured.has_value())
-    return from_graph.measured ? from_graph : from_entities;
-  return from_entities.fit >= from_graph.fit ? from_entities : from_graph;
+  return from_graph.isBetterThan(from_entities) ? from_graph : from_entities;
 }
 
 LoopCloser::Attempt LoopCloser::matchFrom(const CSceneGraph& graph, const LoopPair& pair,
@@ -184,13 +193,12 @@ void LoopCloser::verify(const LoopPair& pair, Attempt& attempt) const {
     record.reason = *reason;
     return;
   }
-  record.graph_distance =
-      distanceFromGraph(measured, pair.predicted, params_.verification.drift_scale);
-  if (*record.graph_distance > max_squared) {
-    record.reason = "contradicts the graph";
-    return;
-  }
+  record.graph_distance = distanceFromGraph(measured, pair.predicted, closures_.driftScale());
+  attempt.doubtful = *record.graph_distance > max_squared;
+  if (attempt.doubtful) record.reason = "contradicts the graph";
   attempt.measured = measured;
+  const double unscaled = distanceFromGraph(measured, pair.predicted, 1.0);
+  attempt.explained = std::min(1.0, std::sqrt(max_squared / unscaled));
 }
 
 void LoopCloser::settle(const CSceneGraph& graph, Stamp now, GraphDelta& delta) {
@@ -212,19 +220,29 @@ void LoopCloser::settle(const CSceneGraph& graph, Stamp now, GraphDelta& delta) 
   }
 }
 
+namespace {
+
+/// Of the graph's estimates from what the edge says, in standard deviations.
+double deviation(const CEdgeRelativePose& edge, const CSceneGraph& graph) {
+  const Pose3 T_1_2 = graph.getNode<CNodeKeyframe>(edge.nodes[0]).T_map_base().inverse() *
+                      graph.getNode<CNodeKeyframe>(edge.nodes[1]).T_map_base();
+  return (edge.sqrtInformation() * local(edge.T_1_2, T_1_2)).norm();
+}
+
+}  // namespace
+
 void LoopCloser::reviewInto(const CSceneGraph& graph, Stamp now, GraphDelta& delta) {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (!entries_[i].edge) continue;
-    const auto& [earlier, later, estimate] = closures_[i];
-    const Pose3 T_earlier_later =
-        graph.keyframes()[earlier]->T_map_base().inverse() * graph.keyframes()[later]->T_map_base();
-    const double sigmas = std::sqrt(
-        squaredMahalanobis(VectorX(local(estimate.T, T_earlier_later)), estimate.covariance));
+    const auto& slot = graph.edgeSlots()[entries_[i].edge->value];
+    const double sigmas = deviation(dynamic_cast<const CEdgeLoopClosure&>(*slot), graph);
     if (sigmas <= params_.verification.max_graph_sigmas) continue;
     char reason[64];
     std::snprintf(reason, sizeof(reason), "contradicts the graph by %.1f sigma", sigmas);
     takeOut(i, now, reason, delta);
-    closures_.discard(i);
+    // Perhaps the graph is wrong: others may speak for it, once.
+    closures_.doubt(i);
+    if (++entries_[i].contradicted > 1) closures_.discard(i);
   }
 }
 
@@ -240,6 +258,14 @@ double LoopCloser::correlation(std::size_t index) const {
   return sharing;
 }
 
+RobustKernel LoopCloser::kernel(const CEdgeRelativePose& edge, double explained,
+                                const CSceneGraph& graph) const {
+  // A kernel narrower than the drift to be closed would take every closure after a long way for an
+  // outlier: it opens as far as the graph's own uncertainty explains what the closure says.
+  return {params_.noise.kernel,
+          std::max(params_.noise.kernel_width, explained * deviation(edge, graph))};
+}
+
 void LoopCloser::insert(std::size_t index, Stamp now, const CSceneGraph& graph, GraphDelta& delta) {
   const Closure& closure = closures_[index];
   auto edge = std::make_shared<CEdgeLoopClosure>();
@@ -247,8 +273,7 @@ void LoopCloser::insert(std::size_t index, Stamp now, const CSceneGraph& graph, 
   edge->nodes = {graph.keyframes()[closure.earlier]->id, graph.keyframes()[closure.later]->id};
   edge->T_1_2 = closure.earlier_later.T;
   edge->setCovariance(correlation(index) * closure.earlier_later.covariance);
-  if (params_.noise.kernel != KernelType::kNone)
-    edge->kernel = {params_.noise.kernel, params_.noise.kernel_width};
+  edge->kernel = kernel(*edge, entries_[index].explained, graph);
   delta.edges.push_back(edge);
 
   Entry& entry = entries_[index];

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "dynemo/graph/edge_relative_pose.h"
 #include "dynemo/loops/entity_prefilter.h"
 #include "dynemo/matching/matcher_chain.h"
 #include "loop_graph.h"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "dynemo/backend/optimizer.h"
+#include "dynemo/graph/edge_relative_pose.h"
 #include "dynemo/graph/scene_graph.h"
 #include "dynemo/loops/candidate_search.h"
 #include "dynemo/loops/closure_set.h"
@@ -48,10 +49,18 @@ class LoopCloser {
     LoopRecord record;
     std::optional<PoseEstimate> measured;
     double fit = 0.0;
+    /// The graph contradicts it: other closures must speak for it.
+    bool doubtful = false;
+    /// Share of the measurement's deviation from the graph that the graph's own uncertainty
+    /// explains, in (0, 1].
+    double explained = 1.0;
+    bool isBetterThan(const Attempt& other) const;
   };
   /// A closure of the set and what was written about it.
   struct Entry {
     LoopRecord record;
+    double explained = 1.0;
+    int contradicted = 0;  ///< times that the optimised graph threw it out
     std::optional<EdgeId> edge;
   };
 
@@ -60,11 +69,15 @@ class LoopCloser {
   Attempt matchFrom(const CSceneGraph& graph, const LoopPair& pair, const PoseEstimate& seed,
                     SeedOrigin origin);
   void verify(const LoopPair& pair, Attempt& attempt) const;
+  void reject(LoopRecord record);
+  void add(Attempt attempt);
   void settle(const CSceneGraph& graph, Stamp now, GraphDelta& delta);
   void reviewInto(const CSceneGraph& graph, Stamp now, GraphDelta& delta);
   void insert(std::size_t index, Stamp now, const CSceneGraph& graph, GraphDelta& delta);
   void takeOut(std::size_t index, Stamp now, const std::string& reason, GraphDelta& delta);
   double correlation(std::size_t index) const;
+  RobustKernel kernel(const CEdgeRelativePose& edge, double explained,
+                      const CSceneGraph& graph) const;
 
   LoopParams params_;
   CandidateSearch search_;
