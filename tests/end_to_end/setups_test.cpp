@@ -9,6 +9,7 @@ namespace {
 struct Setup {
   const char* name;
   bool entities, intra_entity, floor_entity, timer;
+  const char* prefilter;
 };
 
 class Setups : public testing::TestWithParam<Setup> {};
@@ -44,15 +45,30 @@ TEST_P(Setups, MakeKeyframesForTheirReasons) {
   EXPECT_EQ(hasReason(run, "timer_expired"), GetParam().timer);
 }
 
+TEST_P(Setups, CloseLoopsWithTheirPrefilterAndOnlyRightOnes) {
+  const SlamRun& run = bundledRun(GetParam().name);
+  ASSERT_TRUE(run.ok());
+  EXPECT_GT(run.edges("loop_closure"), 0u);
+  EXPECT_EQ(run.summary().at("loops").at("closures"), run.edges("loop_closure"));
+  const nlohmann::json loops = run.evaluate().at("loops");
+  EXPECT_EQ(loops.at("precision"), 1.0);
+  EXPECT_GE(loops.at("recall").get<double>(), 0.8);
+  const std::string rows = readBytes(run.folder() / "loops.csv");
+  EXPECT_EQ(rows.find(": always: ") != std::string::npos,
+            GetParam().prefilter == std::string("always"));
+  EXPECT_EQ(rows.find(": moved ") != std::string::npos,
+            GetParam().prefilter == std::string("motion"));
+}
+
 INSTANTIATE_TEST_SUITE_P(OfThePaper, Setups,
-                         testing::Values(Setup{"baseline", false, false, false, false},
-                                         Setup{"only-kf-e", true, false, false, false},
-                                         Setup{"intra-e", true, true, false, false},
-                                         Setup{"f-e", true, false, true, false},
-                                         Setup{"fcs", true, true, true, false},
-                                         Setup{"always-epcr", true, true, true, false},
-                                         Setup{"mb-epcr", true, true, true, false},
-                                         Setup{"full", true, true, true, true}));
+                         testing::Values(Setup{"baseline", false, false, false, false, "none"},
+                                         Setup{"only-kf-e", true, false, false, false, "none"},
+                                         Setup{"intra-e", true, true, false, false, "none"},
+                                         Setup{"f-e", true, false, true, false, "none"},
+                                         Setup{"fcs", true, true, true, false, "none"},
+                                         Setup{"always-epcr", true, true, true, false, "always"},
+                                         Setup{"mb-epcr", true, true, true, false, "motion"},
+                                         Setup{"full", true, true, true, true, "motion"}));
 
 TEST(SetupFiles, AreTheEightOfThePaper) {
   std::set<std::string> names;
