@@ -24,7 +24,7 @@ constexpr int kInterruptedStatus = 130;
 
 struct Options {
   ConfigLayers config;
-  std::optional<fs::path> entities, detections, rawlog;
+  std::optional<fs::path> entities, detections, rawlog, front_end_cache;
   fs::path output;
   bool dump_config = false, verbose = false, quiet = false;
 };
@@ -46,6 +46,11 @@ void declare(CLI::App& app, Options& o) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
   app.add_option("--output", o.output, "Folder for the results (created)")->type_name("DIR");
+  app.add_option(
+         "--front-end-cache", o.front_end_cache,
+         "Keep LiDAR odometry and detections in this file, and take them from it when it fits "
+         "the recording and the parameters")
+      ->type_name("FILE");
   app.add_flag("--dump-config", o.dump_config, "Print the effective configuration and exit");
   app.add_flag("-v,--verbose", o.verbose, "Print every keyframe");
   app.add_flag("-q,--quiet", o.quiet, "Print errors only");
@@ -138,7 +143,14 @@ int run(const Options& o) {
   requireInputs(o);
   const EntityModels models = o.entities ? EntityModels::load(*o.entities) : EntityModels();
   const auto source = makeRawlogSource(params.sensors, o.rawlog, o.detections);
+  std::optional<FrontEndCache> cache;
   SlamPipeline pipeline(params, models, source->hasOdometry());
+  if (o.front_end_cache) {
+    if (!o.rawlog || o.detections)
+      throw ConfigError("--front-end-cache: needs a RAWLOG and no --detections");
+    cache.emplace(*o.front_end_cache, frontEndIdentity(params, *o.rawlog, o.entities));
+    pipeline.useCache(*cache);
+  }
   RunFolder folder(o.output, params);
   Progress progress(!o.quiet);
 
@@ -164,6 +176,7 @@ int run(const Options& o) {
       o.rawlog ? o.rawlog->filename().string() : o.detections->filename().string()};
   processAll(*source, pipeline, folder, progress, identity, params.checkpoint_s);
   progress.clear();
+  if (cache && !interrupted) cache->finish();
   pipeline.finish();
   folder.optimizations(pipeline.optimizations());
   folder.loops(pipeline.loops());

@@ -29,8 +29,9 @@ libraries=(
   libcli11-dev
   libexpected-dev
 )
+run_time_tools=(gnuplot-nox) # figures of dynemo-ablation
 test_libraries=(libgtest-dev libbenchmark-dev libceres-dev)
-packages=("${build_tools[@]}" "${libraries[@]}" "${test_libraries[@]}")
+packages=("${build_tools[@]}" "${libraries[@]}" "${run_time_tools[@]}" "${test_libraries[@]}")
 
 fail() {
   echo "install-dependencies.sh: $*" >&2

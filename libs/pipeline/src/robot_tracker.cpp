@@ -19,6 +19,10 @@ RobotTracker::RobotTracker(const RobotOdometryParams& params, bool rawlog_odomet
 
 RobotTracker::~RobotTracker() = default;
 
+void RobotTracker::useCache(FrontEndCache& cache) {
+  if (scan_odometry_) scan_odometry_ = cache.wrap(std::move(scan_odometry_));
+}
+
 void RobotTracker::estimate(SensorFrame& frame) {
   if (scan_odometry_ && frame.scan) estimateFromScan(frame);
 }

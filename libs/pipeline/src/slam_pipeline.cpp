@@ -24,6 +24,11 @@ SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& model
 
 SlamPipeline::~SlamPipeline() = default;
 
+void SlamPipeline::useCache(FrontEndCache& cache) {
+  tracker_.useCache(cache);
+  for (auto& detector : detectors_) detector = cache.wrap(std::move(detector));
+}
+
 void SlamPipeline::process(SensorFrame frame, FrameTiming& timing) {
   // Front-end: the robot's motion, the entities in view, and whether the situation changed (Sec.
   // III).

@@ -10,6 +10,7 @@
 #include "dynemo/ingest/sensor_frame.h"
 #include "dynemo/odometry/scan_odometry.h"
 #include "dynemo/perception/entity_observation.h"
+#include "dynemo/pipeline/front_end_cache.h"
 #include "dynemo/pipeline/params.h"
 
 namespace dynemo {
@@ -20,6 +21,9 @@ class RobotTracker {
   /// not to be had.
   RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry);
   ~RobotTracker();
+
+  /// Records or replays the LiDAR odometry, where there is any; before the first frame.
+  void useCache(FrontEndCache& cache);
 
   /// First step of a frame: with LiDAR odometry, replaces the frame's and its images' odometry by
   /// the estimate, carried to each stamp.

@@ -35,6 +35,10 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   SlamPipeline(const DynemoParams& params, const EntityModels& models, bool rawlog_odometry);
   ~SlamPipeline() override;
 
+  /// Records or replays the front-end's results; before the first frame. The cache must outlive the
+  /// pipeline.
+  void useCache(FrontEndCache& cache);
+
   /// Takes the next frame, in order of time. `timing` already holds what the ingest took.
   void process(SensorFrame frame, FrameTiming& timing);
 

@@ -1,0 +1,277 @@
+#include "dynemo/pipeline/front_end_cache.h"
+
+#include <unistd.h>
+
+#include <sstream>
+#include <type_traits>
+
+#include "dynemo/core/config.h"
+#include "dynemo/core/error.h"
+
+namespace dynemo {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Changes with the layout of the records.
+constexpr const char* kFormat = "dynemo front-end cache 1";
+/// Before each record, so that a mix-up is noticed.
+constexpr std::uint8_t kOdometryRecord = 'O', kDetectionRecord = 'D', kEnd = 'E';
+
+}  // namespace
+
+template <class T>
+void FrontEndCache::put(const T& value) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  out_.write(reinterpret_cast<const char*>(&value), sizeof(T));
+  if (!out_) throw DataError(temporary_.string() + ": cannot be written");
+}
+
+template <class T>
+T FrontEndCache::get() {
+  static_assert(std::is_trivially_copyable_v<T>);
+  T value;
+  in_.read(reinterpret_cast<char*>(&value), sizeof(T));
+  if (!in_) throw DataError(file_.string() + ": is shorter than the recording; delete it");
+  return value;
+}
+
+void FrontEndCache::putText(const std::string& text) {
+  put(static_cast<std::uint64_t>(text.size()));
+  out_.write(text.data(), static_cast<std::streamsize>(text.size()));
+}
+
+std::string FrontEndCache::getText() {
+  constexpr std::uint64_t kLongest = 1 << 20;
+  const auto size = get<std::uint64_t>();
+  if (size > kLongest) throw DataError(file_.string() + ": is damaged; delete it");
+  std::string text(size, '\0');
+  in_.read(text.data(), static_cast<std::streamsize>(size));
+  return text;
+}
+
+namespace {
+
+/// Rotation, then translation; Eigen's matrices are not trivially copyable.
+using PoseNumbers = std::array<double, 12>;
+
+PoseNumbers numbers(const Pose3& T) {
+  PoseNumbers n;
+  Eigen::Map<Matrix3>(n.data()) = T.R;
+  Eigen::Map<Vector3>(n.data() + 9) = T.t;
+  return n;
+}
+
+Pose3 pose(const PoseNumbers& n) {
+  return {Matrix3(Eigen::Map<const Matrix3>(n.data())),
+          Vector3(Eigen::Map<const Vector3>(n.data() + 9))};
+}
+
+std::array<double, 36> numbers(const Matrix6& m) {
+  std::array<double, 36> n;
+  Eigen::Map<Matrix6>(n.data()) = m;
+  return n;
+}
+
+Matrix6 matrix(const std::array<double, 36>& n) { return Eigen::Map<const Matrix6>(n.data()); }
+
+std::array<double, 6> numbers(const Vector6& v) {
+  std::array<double, 6> n;
+  Eigen::Map<Vector6>(n.data()) = v;
+  return n;
+}
+
+Vector6 vector(const std::array<double, 6>& n) { return Eigen::Map<const Vector6>(n.data()); }
+
+}  // namespace
+
+class FrontEndCache::Odometry : public ScanOdometry {
+ public:
+  Odometry(FrontEndCache& cache, std::unique_ptr<ScanOdometry> inner)
+      : cache_(cache), inner_(std::move(inner)) {}
+
+  Expected<OdometryEstimate, OdometryFailure> update(
+      const Scan& scan, const std::optional<OdometryState>& rawlog_odometry,
+      std::span<const std::uint32_t> ignored) override {
+    if (cache_.replays()) return replay(scan.stamp);
+    const auto result = inner_->update(scan, rawlog_odometry, ignored);
+    record(scan.stamp, result);
+    return result;
+  }
+
+ private:
+  void record(Stamp stamp, const Expected<OdometryEstimate, OdometryFailure>& result) {
+    cache_.put(kOdometryRecord);
+    cache_.put(stamp.ns);
+    cache_.put(static_cast<std::uint8_t>(result.has_value()));
+    if (!result) return cache_.put(result.error());
+    cache_.put(result->stamp.ns);
+    cache_.put(numbers(result->T_odom_base));
+    cache_.put(numbers(result->T_prev_base));
+    cache_.put(numbers(result->covariance));
+    cache_.put(numbers(result->motion.twist.vector()));
+    cache_.put(numbers(result->motion.acceleration.vector()));
+    cache_.put(result->restarted);
+    cache_.put(result->diagnostics.points);
+    cache_.put(result->diagnostics.inlier_ratio);
+    cache_.put(result->diagnostics.residual_rms_m);
+    cache_.put(result->diagnostics.iterations);
+    const auto& directions = result->diagnostics.degenerate_directions;
+    cache_.put(static_cast<std::uint8_t>(directions.cols()));
+    for (Eigen::Index i = 0; i < directions.cols(); ++i)
+      cache_.put(numbers(Vector6(directions.col(i))));
+  }
+
+  Expected<OdometryEstimate, OdometryFailure> replay(Stamp stamp) {
+    if (cache_.get<std::uint8_t>() != kOdometryRecord || cache_.get<std::int64_t>() != stamp.ns)
+      throw DataError(cache_.file_.string() + ": belongs to another recording; delete it");
+    if (cache_.get<std::uint8_t>() == 0) return make_unexpected(cache_.get<OdometryFailure>());
+    OdometryEstimate e;
+    e.stamp.ns = cache_.get<std::int64_t>();
+    e.T_odom_base = pose(cache_.get<PoseNumbers>());
+    e.T_prev_base = pose(cache_.get<PoseNumbers>());
+    e.covariance = matrix(cache_.get<std::array<double, 36>>());
+    e.motion.twist = BodyTwist::fromVector(vector(cache_.get<std::array<double, 6>>()));
+    e.motion.acceleration = BodyTwist::fromVector(vector(cache_.get<std::array<double, 6>>()));
+    e.restarted = cache_.get<bool>();
+    e.diagnostics.points = cache_.get<std::size_t>();
+    e.diagnostics.inlier_ratio = cache_.get<double>();
+    e.diagnostics.residual_rms_m = cache_.get<double>();
+    e.diagnostics.iterations = cache_.get<int>();
+    e.diagnostics.degenerate_directions.resize(6, cache_.get<std::uint8_t>());
+    for (Eigen::Index i = 0; i < e.diagnostics.degenerate_directions.cols(); ++i)
+      e.diagnostics.degenerate_directions.col(i) = vector(cache_.get<std::array<double, 6>>());
+    return e;
+  }
+
+  FrontEndCache& cache_;
+  std::unique_ptr<ScanOdometry> inner_;
+};
+
+class FrontEndCache::Detector : public EntityDetector {
+ public:
+  Detector(FrontEndCache& cache, std::unique_ptr<EntityDetector> inner)
+      : cache_(cache), inner_(std::move(inner)) {}
+
+  std::vector<EntityObservation> detect(const SensorFrame& frame) override {
+    if (cache_.replays()) return replay(frame.stamp);
+    auto found = inner_->detect(frame);
+    warnings_ = inner_->warnings();
+    record(frame.stamp, found);
+    return found;
+  }
+
+ private:
+  void record(Stamp stamp, const std::vector<EntityObservation>& found) {
+    cache_.put(kDetectionRecord);
+    cache_.put(stamp.ns);
+    cache_.put(static_cast<std::uint64_t>(found.size()));
+    for (const EntityObservation& o : found) {
+      cache_.put(o.entity.value);
+      cache_.put(o.semantic_class);
+      cache_.putText(o.name);
+      cache_.put(o.stamp.ns);
+      cache_.put(numbers(o.T_base_entity));
+      cache_.put(numbers(o.covariance));
+      cache_.put(o.reprojection_rms_px);
+      cache_.put(o.tag_count);
+      cache_.putText(o.sensor_label);
+    }
+    cache_.put(static_cast<std::uint64_t>(warnings_.size()));
+    for (const auto& [text, count] : warnings_) {
+      cache_.putText(text);
+      cache_.put(count);
+    }
+  }
+
+  std::vector<EntityObservation> replay(Stamp stamp) {
+    if (cache_.get<std::uint8_t>() != kDetectionRecord || cache_.get<std::int64_t>() != stamp.ns)
+      throw DataError(cache_.file_.string() + ": belongs to another recording; delete it");
+    std::vector<EntityObservation> found;
+    for (auto left = cache_.get<std::uint64_t>(); left > 0; --left) {
+      EntityObservation o;
+      o.entity.value = cache_.get<std::int64_t>();
+      o.semantic_class = cache_.get<SemanticClass>();
+      o.name = cache_.getText();
+      o.stamp.ns = cache_.get<std::int64_t>();
+      o.T_base_entity = pose(cache_.get<PoseNumbers>());
+      o.covariance = matrix(cache_.get<std::array<double, 36>>());
+      o.reprojection_rms_px = cache_.get<double>();
+      o.tag_count = cache_.get<int>();
+      o.sensor_label = cache_.getText();
+      found.push_back(std::move(o));
+    }
+    for (auto left = cache_.get<std::uint64_t>(); left > 0; --left) {
+      const std::string text = cache_.getText();
+      warnings_[text] = cache_.get<std::uint64_t>();
+    }
+    return found;
+  }
+
+  FrontEndCache& cache_;
+  std::unique_ptr<EntityDetector> inner_;
+};
+
+FrontEndCache::FrontEndCache(fs::path file, const std::string& identity)
+    : file_(std::move(file)),
+      // Its own name for each process: several may record at the same time.
+      temporary_(file_.string() + "." + std::to_string(::getpid()) + ".part") {
+  in_.open(file_, std::ios::binary);
+  if (in_.is_open()) {
+    try {
+      if (getText() == kFormat && getText() == identity) return;
+    } catch (const DataError&) {
+      // Not a cache, or an older one: recorded anew below.
+    }
+    in_.close();
+    in_.clear();
+  }
+  std::error_code failure;
+  if (file_.has_parent_path()) fs::create_directories(file_.parent_path(), failure);
+  out_.open(temporary_, std::ios::binary);
+  if (!out_) throw DataError(temporary_.string() + ": cannot be written");
+  putText(kFormat);
+  putText(identity);
+}
+
+FrontEndCache::~FrontEndCache() {
+  if (!out_.is_open()) return;
+  out_.close();
+  std::error_code ignored;
+  fs::remove(temporary_, ignored);
+}
+
+std::unique_ptr<ScanOdometry> FrontEndCache::wrap(std::unique_ptr<ScanOdometry> odometry) {
+  return std::make_unique<Odometry>(*this, std::move(odometry));
+}
+
+std::unique_ptr<EntityDetector> FrontEndCache::wrap(std::unique_ptr<EntityDetector> detector) {
+  return std::make_unique<Detector>(*this, std::move(detector));
+}
+
+void FrontEndCache::finish() {
+  if (!out_.is_open()) return;
+  put(kEnd);
+  out_.close();
+  std::error_code failure;
+  if (out_) fs::rename(temporary_, file_, failure);
+  if (!out_ || failure) throw DataError(file_.string() + ": cannot be written");
+}
+
+std::string frontEndIdentity(const DynemoParams& params, const fs::path& rawlog,
+                             const std::optional<fs::path>& entities) {
+  std::ostringstream text;
+  const auto describe = [&](const fs::path& file) {
+    std::error_code ignored;
+    text << file.filename().string() << " " << fs::file_size(file, ignored) << " "
+         << fs::last_write_time(file, ignored).time_since_epoch().count() << "\n";
+  };
+  describe(rawlog);
+  if (entities) describe(*entities);
+  text << static_cast<int>(params.odometry.source) << "\n"
+       << toYaml(params.sensors, false) << toYaml(params.odometry.lidar, false)
+       << toYaml(params.perception, false);
+  return text.str();
+}
+
+}  // namespace dynemo
