@@ -1,6 +1,7 @@
 // What every registered method promises.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 #include "dynemo/core/config.h"
@@ -43,6 +44,30 @@ TEST_P(ScanOdometries, FollowsASmoothDrive) {
   const Vector6 error = local(T_first_last, estimates.back().T_odom_base);
   EXPECT_LT(error.head<3>().norm(), kTolerance_m);
   EXPECT_LT(error.tail<3>().norm(), kTolerance_rad);
+}
+
+/// From rest to 1.6 m/s: a pose that belongs to the middle of the sweep instead of its stamp is 8
+/// cm off.
+TEST_P(ScanOdometries, PosesAreThoseOfTheStamps) {
+  constexpr double kRest_s = 0.4, kAcceleration_m_s2 = 2.0, kSpeed_m_s = 1.6, kTolerance_m = 0.05;
+  const auto drive = [](double t_s) {
+    const double t = std::max(t_s - kRest_s, 0.0), ramp_s = kSpeed_m_s / kAcceleration_m_s2;
+    const double way_m =
+        t < ramp_s ? 0.5 * kAcceleration_m_s2 * t * t : kSpeed_m_s * (t - 0.5 * ramp_s);
+    return Pose3::translation(way_m, 0.0, 0.5);
+  };
+  const auto odometry = scanOdometries().make(GetParam(), OdometryParams());
+  test::LidarModel lidar;
+  std::mt19937_64 random(5);
+  for (int i = 0; i <= 15; ++i) {
+    const double t_s = 0.1 * i;
+    const auto estimate = odometry->update(
+        test::sweep(test::furnishedRoom(), lidar, drive, t_s, random), std::nullopt);
+    ASSERT_TRUE(estimate) << "scan " << i;
+    if (t_s < 1.3) continue;
+    const Pose3 T_first_now = drive(0.0).inverse() * drive(t_s);
+    EXPECT_LT((estimate->T_odom_base.t - T_first_now.t).norm(), kTolerance_m) << t_s;
+  }
 }
 
 TEST_P(ScanOdometries, GivesTheSameBytesWithOneAndTwoThreads) {
