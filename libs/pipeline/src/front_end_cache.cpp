@@ -268,8 +268,10 @@ std::string frontEndIdentity(const DynemoParams& params, const fs::path& rawlog,
   };
   describe(rawlog);
   if (entities) describe(*entities);
-  text << static_cast<int>(params.odometry.source) << "\n"
-       << toYaml(params.sensors, false) << toYaml(params.odometry.lidar, false)
+  // The noise belongs to the map: setups differ in it.
+  RobotOdometryParams odometry = params.odometry;
+  odometry.noise = {};
+  text << toYaml(params.sensors, false) << toYaml(odometry, false)
        << toYaml(params.perception, false);
   return text.str();
 }
