@@ -4,6 +4,7 @@
 
 #include "dynemo/core/error.h"
 #include "dynemo/graph/node_floor.h"
+#include "dynemo/graph/node_plane.h"
 #include "registered_types.h"
 
 namespace dynemo::test {
@@ -81,6 +82,8 @@ void moveMap(const Pose3& T, std::vector<CNodeBase::Ptr>& nodes) {
       pose->T_map_node = T * pose->T_map_node;
     } else if (auto* floor = dynamic_cast<CNodeFloor*>(node.get())) {
       floor->level_m += T.t.z();
+    } else if (auto* plane = dynamic_cast<CNodePlane*>(node.get())) {
+      plane->plane_map = T * plane->plane_map;
     }
   }
 }
@@ -104,8 +107,8 @@ TEST_P(Edges, RelativeOnesDoNotDependOnTheMapsOrigin) {
     if (nearPi(before)) continue;
     if (isAbsolute(GetParam())) {
       EXPECT_GT((after - before).norm(), 1e-3) << "an edge of one node is what fixes the gauge";
-    } else if (GetParam().kind == "agent_velocity") {
-      // Its axes are the map's, so they turn with it.
+    } else if (GetParam().kind == "agent_velocity" || GetParam().kind == "plane_parallel") {
+      // Their axes are the map's, so they turn with it.
       EXPECT_LT((after - T.R * before).norm(), kGaugeTolerance * (1.0 + before.norm()));
     } else {
       EXPECT_LT((after - before).norm(), kGaugeTolerance * (1.0 + before.norm()));

@@ -42,11 +42,12 @@ void expectWithin(const SlamRun& run, const Dataset& dataset, const Bounds& boun
 }
 
 TEST(BundledSample, FullCorrectsTheOdometryAndFindsWhatMoved) {
-  expectWithin(bundledRun("full"), bundledSample(), {0.0225, 0.017, 0.027});
+  expectWithin(bundledRun("full"), bundledSample(), {0.009, 0.005, 0.015});
 }
 
 TEST(BundledSample, FullIsBetterThanTheBaseline) {
-  EXPECT_LT(ate(bundledRun("full").evaluate()), 0.5 * ate(bundledRun("baseline").evaluate()));
+  // Both have walls and floors; the entities and their keyframes make the difference.
+  EXPECT_LT(ate(bundledRun("full").evaluate()), 0.75 * ate(bundledRun("baseline").evaluate()));
 }
 
 TEST(BundledSample, LidarOdometryReachesMillimetres) {
@@ -95,8 +96,8 @@ TEST_P(Sample, FullWithLidarOdometry) {
 
 INSTANTIATE_TEST_SUITE_P(
     Simulated, Sample,
-    testing::Values(SampleCase{"mini_samo", {0.037, 0.025, 0.06}, {0.005, 0.005, 0.015}},
-                    SampleCase{"mini_mamo", {0.027, 0.012, 0.035}, {0.005, 0.005, 0.02}}),
+    testing::Values(SampleCase{"mini_samo", {0.010, 0.004, 0.008}, {0.005, 0.005, 0.015}},
+                    SampleCase{"mini_mamo", {0.010, 0.005, 0.010}, {0.005, 0.005, 0.02}}),
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

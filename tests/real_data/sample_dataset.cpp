@@ -55,6 +55,29 @@ std::map<EntityId, EntityBox> readBoxes(const std::filesystem::path& file) {
   return boxes;
 }
 
+std::vector<TruePlane> readPlanes(const std::filesystem::path& file) {
+  std::vector<TruePlane> planes;
+  const nlohmann::json meta = nlohmann::json::parse(std::ifstream(file));
+  for (const auto& entry : meta.at("planes")) {
+    TruePlane plane;
+    plane.name = entry.at("name").get<std::string>();
+    const auto n = entry.at("n").get<std::array<double, 3>>();
+    plane.plane_world = {Vector3(n[0], n[1], n[2]), entry.at("d").get<double>()};
+    if (plane.isWall()) {
+      const auto& extent = entry.at("extent");
+      const auto a = extent.at("a").get<std::array<double, 2>>();
+      const auto b = extent.at("b").get<std::array<double, 2>>();
+      const auto z = extent.at("z").get<std::array<double, 2>>();
+      plane.from = {a[0], a[1]};
+      plane.to = {b[0], b[1]};
+      plane.z_min_m = z[0];
+      plane.z_max_m = z[1];
+    }
+    planes.push_back(plane);
+  }
+  return planes;
+}
+
 CameraModel cameraModel(const mrpt::img::TCamera& c) {
   CameraModel model;
   model.width = static_cast<int>(c.ncols);
@@ -74,6 +97,13 @@ CameraModel cameraModel(const mrpt::img::TCamera& c) {
 std::optional<std::filesystem::path> samplesFolder() { return folderFrom("DYNEMO_SAMPLES"); }
 std::optional<std::filesystem::path> realDataFolder() { return folderFrom("DYNEMO_REAL_DATA"); }
 
+bool TruePlane::contains(const Vector3& p, double tolerance_m) const {
+  if (std::abs(plane_world.distance(p)) > tolerance_m) return false;
+  if (!isWall()) return true;
+  const double s = (p.head<2>() - from).dot((to - from).normalized());
+  return s > 0.0 && s < (to - from).norm() && p.z() > z_min_m && p.z() < z_max_m;
+}
+
 SampleTruth::SampleTruth(const std::filesystem::path& folder, const std::string& name) {
   std::ifstream robot(folder / (name + "_gt_robot.tum"));
   for (std::string line; std::getline(robot, line);) {
@@ -90,6 +120,7 @@ SampleTruth::SampleTruth(const std::filesystem::path& folder, const std::string&
   }
   if (robot_.empty() || entities_.empty()) throw DataError(folder.string() + ": no ground truth");
   boxes_ = readBoxes(folder / (name + "_meta.json"));
+  planes_ = readPlanes(folder / (name + "_meta.json"));
 }
 
 std::optional<Pose3> SampleTruth::at(const Track& track, Stamp stamp) {

@@ -15,6 +15,8 @@ std::unique_ptr<Exporter> makeKeyframesExporter();
 std::unique_ptr<Exporter> makeOdometryExporter();
 /// entities.csv: one row per entity node.
 std::unique_ptr<Exporter> makeEntitiesExporter();
+/// planes.csv: one row per plane node.
+std::unique_ptr<Exporter> makePlanesExporter();
 /// graph.g2o: the poses of keyframes and entities with the relative-pose edges between them.
 std::unique_ptr<Exporter> makeG2oExporter();
 /// graph.graph: the keyframes' pose graph for MRPT's graph-slam.

@@ -36,6 +36,8 @@ std::string tumLine(Stamp stamp, const Pose3& T) {
 
 std::string exactPoseText(const Pose3& T) { return joined(T, "%.17g", ' '); }
 
+std::string fixedText(double value) { return formatted("%.9f", value); }
+
 std::string exactText(double value) { return formatted("%.17g", value); }
 
 }  // namespace dynemo

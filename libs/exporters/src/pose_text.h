@@ -18,6 +18,9 @@ std::string tumLine(Stamp stamp, const Pose3& T);
 /// "x y z qx qy qz qw" with 17 significant digits: reads back as the same doubles.
 std::string exactPoseText(const Pose3& T);
 
+/// Nine fractional digits.
+std::string fixedText(double value);
+
 /// 17 significant digits.
 std::string exactText(double value);
 

@@ -9,6 +9,7 @@ const ExporterRegistry& exporters() {
     r.add("keyframes", makeKeyframesExporter);
     r.add("odometry", makeOdometryExporter);
     r.add("entities", makeEntitiesExporter);
+    r.add("planes", makePlanesExporter);
     r.add("g2o", makeG2oExporter);
     r.add("graph", makeMrptGraphExporter);
     r.add("3dscene", makeScene3dExporter);

@@ -69,7 +69,8 @@ mrpt::opengl::COpenGLScene makeScene(const RunResult& run, const SceneParams& pa
   scene.getViewport()->lightParameters().diffuse = {0.5f, 0.5f, 0.5f};
   setCamera(*scene.getViewport(), viewOf(samplePoints(run.graph)), params);
   // What is translucent comes last.
-  for (const auto part : {sceneFloors, sceneClouds, sceneTrajectory, sceneEdges, sceneEntities}) {
+  for (const auto part :
+       {sceneFloors, sceneClouds, sceneTrajectory, sceneEdges, sceneEntities, scenePlanes}) {
     scene.insert(part(run, params));
   }
   return scene;

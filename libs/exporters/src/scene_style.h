@@ -33,6 +33,8 @@ struct SceneParams {
   float azimuth_deg = 45.0f;
   float elevation_deg = 50.0f;
   double floor_margin_m = 1.0;
+  std::uint32_t plane_rgb = 0x9aa7b5;
+  std::uint8_t plane_alpha = 70;
 };
 
 inline mrpt::math::TPoint3D toPoint(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
@@ -62,6 +64,8 @@ mrpt::opengl::CSetOfObjects::Ptr sceneTrajectory(const RunResult& run, const Sce
 mrpt::opengl::CSetOfObjects::Ptr sceneEntities(const RunResult& run, const SceneParams& params);
 /// The edges of the graph in the colours of their kinds, and a grid per floor.
 mrpt::opengl::CSetOfObjects::Ptr sceneEdges(const RunResult& run, const SceneParams& params);
+/// Walls as far as they were seen, translucent.
+mrpt::opengl::CSetOfObjects::Ptr scenePlanes(const RunResult& run, const SceneParams& params);
 mrpt::opengl::CSetOfObjects::Ptr sceneFloors(const RunResult& run, const SceneParams& params);
 
 }  // namespace dynemo

@@ -1,6 +1,7 @@
 #include <mrpt/serialization/CArchive.h>
 
 #include "archive.h"
+#include "dynemo/core/plane3.h"
 #include "dynemo/graph/edge.h"
 #include "dynemo/graph/edge_agent_motion.h"
 #include "dynemo/graph/edge_floor_entity.h"
@@ -35,15 +36,6 @@ Eigen::Map<const Matrix3> rotationOf(const double* state) {
 
 double uniform(std::mt19937_64& rng, double lo, double hi) {
   return lo + (hi - lo) * (static_cast<double>(rng() >> 11) * 0x1.0p-53);
-}
-
-/// Two unit vectors orthogonal to u and to each other.
-Eigen::Matrix<double, 3, 2> orthogonalBasis(const Vector3& u) {
-  const Vector3 least = std::abs(u.x()) < 0.6 ? Vector3::UnitX() : Vector3::UnitY();
-  Eigen::Matrix<double, 3, 2> B;
-  B.col(0) = u.cross(least).normalized();
-  B.col(1) = u.cross(B.col(0));
-  return B;
 }
 
 }  // namespace

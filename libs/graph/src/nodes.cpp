@@ -104,18 +104,29 @@ void CNodeEntity::serializeFrom(CArchive& in, std::uint8_t version) {
   get(in, fragment);
 }
 
-std::uint8_t CNodeFloor::serializeGetVersion() const { return 0; }
+// Version 1 adds the area.
+std::uint8_t CNodeFloor::serializeGetVersion() const { return 1; }
 
 void CNodeFloor::serializeTo(CArchive& out) const {
   writeBase(out);
   out << level_m << level_first_m << center_map_m.x() << center_map_m.y();
+  out << !area_map_m.isEmpty();
+  if (area_map_m.isEmpty()) return;
+  for (const Vector2& corner : {area_map_m.min(), area_map_m.max()})
+    out << corner.x() << corner.y();
 }
 
 void CNodeFloor::serializeFrom(CArchive& in, std::uint8_t version) {
-  if (version != 0) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
+  if (version > 1) MRPT_THROW_UNKNOWN_SERIALIZATION_VERSION(version);
   readBase(in);
   for (double* value : {&level_m, &level_first_m, &center_map_m.x(), &center_map_m.y()})
     getFinite(in, *value);
+  area_map_m.setEmpty();
+  if (version < 1 || !getBool(in)) return;
+  Vector2 min, max;
+  for (double* value : {&min.x(), &min.y(), &max.x(), &max.y()}) getFinite(in, *value);
+  if ((min.array() > max.array()).any()) throw DataError("a stored area is empty");
+  area_map_m = {min, max};
 }
 
 }  // namespace dynemo

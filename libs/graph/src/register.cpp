@@ -4,6 +4,7 @@
 
 #include "dynemo/graph/edge_agent_motion.h"
 #include "dynemo/graph/edge_floor_entity.h"
+#include "dynemo/graph/edge_plane.h"
 #include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
 #include "dynemo/graph/scene_graph.h"
@@ -15,6 +16,7 @@ namespace {
 template <class Node>
 NodeType nodeType() {
   return {Node().kind(), [](std::mt19937_64& rng) -> CNodeBase::Ptr {
+            if constexpr (requires { Node::example(rng); }) return Node::example(rng);
             auto node = std::make_shared<Node>();
             if constexpr (std::is_base_of_v<CNodePose, Node>) {
               node->T_map_node = randomPose(rng);
@@ -42,6 +44,7 @@ const std::vector<NodeType>& nodeTypes() {
   static const std::vector<NodeType> types = {
       nodeType<CNodeKeyframe>(),
       nodeType<CNodeEntity>(),
+      nodeType<CNodePlane>(),
       nodeType<CNodeFloor>(),
   };
   return types;
@@ -57,6 +60,10 @@ const std::vector<EdgeType>& edgeTypes() {
       edgeTypeOf<CEdgeAgentLine>({"entity", "entity"}, 0xe377c2),
       edgeTypeOf<CEdgeAgentVelocity>({"entity", "entity", "entity"}, 0x9467bd),
       edgeTypeOf<CEdgeFloorEntity>({"floor", "entity"}, 0x1f77b4),
+      edgeTypeOf<CEdgeKeyframePlane>({"keyframe", "plane"}, 0xbcbd22),
+      edgeTypeOf<CEdgeFloorGround>({"keyframe", "floor"}, 0xaec7e8),
+      edgeTypeOf<CEdgePlaneParallel>({"plane", "plane"}, 0x8c564b),
+      edgeTypeOf<CEdgePlanePerpendicular>({"plane", "plane"}, 0xc49c94),
       edgeTypeOf<CEdgeLoopClosure>({"keyframe", "keyframe"}, 0x17becf),
   };
   return types;
@@ -73,6 +80,7 @@ void registerGraphClasses() {
   using mrpt::rtti::registerClass;
   registerClass(CLASS_ID(CNodeKeyframe));
   registerClass(CLASS_ID(CNodeEntity));
+  registerClass(CLASS_ID(CNodePlane));
   registerClass(CLASS_ID(CNodeFloor));
   registerClass(CLASS_ID(CEdgePosePrior));
   registerClass(CLASS_ID(CEdgeFloorPrior));
@@ -82,6 +90,10 @@ void registerGraphClasses() {
   registerClass(CLASS_ID(CEdgeAgentLine));
   registerClass(CLASS_ID(CEdgeAgentVelocity));
   registerClass(CLASS_ID(CEdgeFloorEntity));
+  registerClass(CLASS_ID(CEdgeKeyframePlane));
+  registerClass(CLASS_ID(CEdgeFloorGround));
+  registerClass(CLASS_ID(CEdgePlaneParallel));
+  registerClass(CLASS_ID(CEdgePlanePerpendicular));
   registerClass(CLASS_ID(CEdgeLoopClosure));
   registerClass(CLASS_ID(CSceneGraph));
 }

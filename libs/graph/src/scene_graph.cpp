@@ -40,8 +40,14 @@ bool fitsNodes(const CEdgeBase& edge, const std::vector<CNodeBase::Ptr>& nodes) 
 
 void CSceneGraph::apply(const GraphDelta& delta) {
   for (const EdgeId id : delta.removed_edges) removeEdge(id);
+  for (const NodeId id : delta.removed_nodes) removeNode(id);
   for (const auto& node : delta.nodes) insertNode(node);
   for (const auto& edge : delta.edges) insertEdge(edge);
+  for (const auto& [id, area] : delta.floor_areas) {
+    const auto floor = std::dynamic_pointer_cast<CNodeFloor>(nodes_.at(id.value));
+    if (!floor) throw std::logic_error("an area is given to a node that is no floor");
+    floor->extendArea(area);
+  }
 }
 
 void CSceneGraph::insertNode(const CNodeBase::Ptr& node) {
@@ -51,6 +57,8 @@ void CSceneGraph::insertNode(const CNodeBase::Ptr& node) {
   ++node_count_;
   if (auto keyframe = std::dynamic_pointer_cast<CNodeKeyframe>(node)) {
     keyframes_.push_back(std::move(keyframe));
+  } else if (auto plane = std::dynamic_pointer_cast<CNodePlane>(node)) {
+    planes_.push_back(std::move(plane));
   } else if (auto floor = std::dynamic_pointer_cast<CNodeFloor>(node)) {
     floors_.push_back(std::move(floor));
   } else if (auto entity = std::dynamic_pointer_cast<CNodeEntity>(node)) {
@@ -95,6 +103,24 @@ void CSceneGraph::removeEdge(EdgeId id) {
   }
   edges_[id.value].reset();
   --edge_count_;
+}
+
+void CSceneGraph::removeNode(NodeId id) {
+  const auto node = id.value < nodes_.size() ? nodes_[id.value] : nullptr;
+  if (!node) throw std::logic_error("a node to remove is not in the graph");
+  if (!edges_of_node_[id.value].empty()) {
+    throw std::logic_error(std::string(node->kind()) + " node to remove still has edges");
+  }
+  const auto eraseFrom = [&](auto& list) {
+    std::erase_if(list, [&](const auto& other) { return other->id == id; });
+  };
+  eraseFrom(keyframes_);
+  eraseFrom(planes_);
+  eraseFrom(floors_);
+  for (auto& [entity, track] : tracks_) eraseFrom(track);
+  std::erase_if(tracks_, [](const auto& track) { return track.second.empty(); });
+  nodes_[id.value].reset();
+  --node_count_;
 }
 
 const CNodeEntity* CSceneGraph::lastObservation(EntityId entity) const {

@@ -6,8 +6,13 @@ namespace dynemo {
 
 std::vector<Pose3> keyframesWithoutClosures(const CSceneGraph& graph, const SolverParams& solver) {
   GraphDelta copies;
-  for (const auto& node : graph.nodeSlots())
-    copies.nodes.push_back(std::dynamic_pointer_cast<CNodeBase>(node->duplicateGetSmartPtr()));
+  for (const auto& node : graph.nodeSlots()) {
+    // Removed nodes keep their ids: one without edges, which the optimiser leaves alone, stands in.
+    copies.nodes.push_back(node
+                               ? std::dynamic_pointer_cast<CNodeBase>(node->duplicateGetSmartPtr())
+                               : std::make_shared<CNodePlane>());
+    copies.nodes.back()->id = {copies.nodes.size() - 1};
+  }
   for (const auto& edge : graph.edgeSlots()) {
     if (!edge || dynamic_cast<const CEdgeLoopClosure*>(edge.get())) continue;
     auto copy = std::dynamic_pointer_cast<CEdgeBase>(edge->duplicateGetSmartPtr());

@@ -2,12 +2,33 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "dynemo/graph/edge_floor_entity.h"
+#include "dynemo/graph/edge_plane.h"
 #include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
+#include "dynemo/graph/seen_plane.h"
 
 namespace dynemo {
+
+void fields(FieldVisitor& v, PlaneMappingParams& p) {
+  v.flag("enabled", p.enabled, "Walls and ceilings as nodes that keyframes are tied to");
+  v.section("association", p.association, "Which mapped plane an observed one is");
+  v.optionalNumber("kernel_width", p.kernel_width,
+                   "Cauchy width of edges to planes and floors in standard deviations",
+                   Range::positive());
+  v.angle("max_new_sigma_deg", p.max_new_sigma_rad,
+          "A plane with a less certain normal is not mapped on its first sight", Range::positive());
+  v.number("min_new_area_m2", p.min_new_area_m2,
+           "A plane of which less is seen is not mapped on its first sight", Range::nonNegative());
+  v.flag("regular_walls", p.regular_walls,
+         "Constraints between walls that are parallel or at right angles");
+  v.angle("regular_tolerance_deg", p.regular_tolerance_rad,
+          "Largest deviation of regular walls at their first sight", {0.0, 45.0, true});
+  v.angle("regular_sigma_deg", p.regular_sigma_rad, "Deviation of regular walls",
+          Range::positive());
+}
 
 void fields(FieldVisitor& v, MappingParams& p) {
   v.flag("keyframe_entity", p.keyframe_entity,
@@ -28,6 +49,8 @@ void fields(FieldVisitor& v, MappingParams& p) {
            Range::positive());
   v.number("height_tolerance_m", p.height_tolerance_m, "Height change of an entity that is real",
            Range::positive());
+  v.section("planes", p.planes, "Walls and ceilings");
+  v.section("floors", p.floors, "Storeys");
 }
 
 Matrix6 relativePoseCovariance(const Pose3& T_1, const Pose3& T_2, const MatrixX& joint) {
@@ -45,9 +68,11 @@ class DeltaBuilder::Assembly {
       : builder_(builder), params_(builder.params_), graph_(graph), data_(data) {}
 
   GraphDelta run() {
+    mergePlanes();
     addKeyframe();
-    if (!params_.keyframe_entity) return std::move(delta_);
     addFloor();
+    addPlanes();
+    if (!params_.keyframe_entity) return std::move(delta_);
     for (std::size_t i = 0; i < data_.observations.size();) {
       std::size_t end = i + 1;
       while (end < data_.observations.size() &&
@@ -99,34 +124,172 @@ class DeltaBuilder::Assembly {
     addEdge(edge);
   }
 
-  /// Finds the floor, or makes the first one from the ground or from an entity of known height.
+  /// The floor the keyframe is on, or a new one; and what the ground says of it.
   void addFloor() {
-    if (!graph_.floors().empty()) {
-      floor_ = graph_.floors().back();
-    } else if (const auto level_m = firstFloorLevel()) {
-      auto floor = newNode<CNodeFloor>();
-      floor->level_m = floor->level_first_m = *level_m;
-      floor->center_map_m = data_.T_map_base.t.head<2>();
+    const auto seen = groundLevel();
+    const FloorChoice choice = chooseFloor(graph_, data_.T_map_base, seen, params_.floors);
+    if (choice.floor) {
+      floor_ = choice.floor;
+    } else if (choice.new_level_m) {
+      floor_ = &newFloor(*choice.new_level_m);
+    }
+    if (!floor_) return;
+    keyframe_->floor = floor_->id;
+    const Vector2 here = data_.T_map_base.t.head<2>();
+    delta_.floor_areas.emplace_back(floor_->id, Eigen::AlignedBox2d(here, here));
+    if (data_.ground && data_.ground_slope_rad <= params_.floors.max_slope_rad) addGround();
+  }
+  CNodeFloor& newFloor(double level_m) {
+    auto floor = newNode<CNodeFloor>();
+    floor->level_m = floor->level_first_m = level_m;
+    if (!data_.ground) {
+      // Nothing else holds its level against that of the entities on it.
       auto prior = std::make_shared<CEdgeFloorPrior>();
       prior->nodes = {floor->id};
-      prior->level_m = *level_m;
+      prior->level_m = level_m;
       prior->setCovariance(
           MatrixX::Constant(1, 1, params_.floor_prior_sigma_m * params_.floor_prior_sigma_m));
       addEdge(prior);
-      floor_ = floor;
     }
-    if (floor_) keyframe_->floor = floor_->id;
+    return *floor;
   }
 
-  std::optional<double> firstFloorLevel() const {
-    if (data_.ground_level_m) return data_.ground_level_m;
+  /// From the ground that the scan shows, or from an entity that stands on it.
+  std::optional<GroundLevel> groundLevel() const {
+    const double base_z_m = data_.T_map_base.t.z();
+    if (data_.ground) return GroundLevel{base_z_m + data_.ground->height_m, data_.ground_slope_rad};
+    const auto base_height_m = baseHeight(graph_);
     for (const EntityObservation& observation : data_.observations) {
       const EntityModel* model = builder_.models_.findEntity(observation.entity);
-      if (model && model->origin_height_m) {
-        return (data_.T_map_base * observation.T_base_entity).t.z() - *model->origin_height_m;
-      }
+      if (!model || !model->origin_height_m) continue;
+      const double z_m =
+          (data_.T_map_base * observation.T_base_entity).t.z() - *model->origin_height_m;
+      if (!base_height_m || std::abs(base_z_m - *base_height_m - z_m) <= params_.height_tolerance_m)
+        return GroundLevel{z_m, 0.0};
     }
     return std::nullopt;
+  }
+
+  void addGround() {
+    const PlaneObservation& ground = data_.planes[data_.ground->observation];
+    auto edge = std::make_shared<CEdgeFloorGround>();
+    edge->nodes = {keyframe_->id, floor_->id};
+    measure(*edge, ground);
+    const FloorParams& p = params_.floors;
+    edge->setCovariance(ground.covariance +
+                        Matrix3(Vector3(p.slope_sigma_rad, p.slope_sigma_rad, p.unevenness_sigma_m)
+                                    .array()
+                                    .square()
+                                    .matrix()
+                                    .asDiagonal()));
+    addEdge(edge);
+  }
+
+  void measure(CEdgePlaneMeasurement& edge, const PlaneObservation& observation) const {
+    edge.patch_base = observation.patch_base;
+    edge.point_count = static_cast<std::uint32_t>(observation.points.size());
+    edge.setCovariance(observation.covariance);
+    if (params_.planes.kernel_width)
+      edge.kernel = {KernelType::kCauchy, *params_.planes.kernel_width};
+  }
+
+  /// Level planes that face up, besides the ground, are tables and steps: things, not structure.
+  bool isStructure(const PlaneObservation& observation) const {
+    constexpr double kUpwards = 0.94;  // within 20 degrees
+    return (data_.T_map_base.R * observation.patch_base.normal).z() < kUpwards;
+  }
+
+  void addPlanes() {
+    if (!params_.planes.enabled) return;
+    for (std::size_t i = 0; i < data_.planes.size(); ++i) {
+      const PlaneObservation& observation = data_.planes[i];
+      if (!isStructure(observation)) continue;
+      const auto& known = data_.plane_association.plane;
+      const auto node = i < known.size() && known[i] ? known[i] : newPlane(observation);
+      if (!node) continue;
+      auto edge = std::make_shared<CEdgeKeyframePlane>();
+      edge->nodes = {keyframe_->id, *node};
+      measure(*edge, observation);
+      addEdge(edge);
+      if (floor_) delta_.floor_areas.emplace_back(floor_->id, areaOf(observation));
+    }
+  }
+
+  std::optional<NodeId> newPlane(const PlaneObservation& observation) {
+    const double variance_rad2 = observation.covariance.topLeftCorner<2, 2>().trace();
+    if (variance_rad2 > params_.planes.max_new_sigma_rad * params_.planes.max_new_sigma_rad ||
+        observation.patch_base.area_m2() < params_.planes.min_new_area_m2) {
+      return std::nullopt;
+    }
+    auto node = newNode<CNodePlane>();
+    node->plane_map = node->plane_map_first = data_.T_map_base * observation.patch_base.plane();
+    if (params_.planes.regular_walls) addRegularity(*node);
+    return node->id;
+  }
+
+  Eigen::AlignedBox2d areaOf(const PlaneObservation& observation) const {
+    Eigen::AlignedBox2d area;
+    for (const Vector3& p : cellCenters(observation.patch_base, data_.T_map_base)) {
+      area.extend(p.head<2>());
+    }
+    return area;
+  }
+
+  /// Ties a new wall to the oldest wall of its floor that is parallel or perpendicular to it.
+  void addRegularity(const CNodePlane& wall) {
+    constexpr double kMaxLean = 0.1;
+    const double tolerance = std::sin(params_.planes.regular_tolerance_rad);
+    const double variance = params_.planes.regular_sigma_rad * params_.planes.regular_sigma_rad;
+    const Vector3& n = wall.plane_map.normal;
+    if (std::abs(n.z()) > kMaxLean) return;
+    for (const auto& other : graph_.planes()) {
+      const Vector3& m = other->plane_map.normal;
+      if (!isOnThisFloor(*other) || std::abs(m.z()) > kMaxLean) continue;
+      CEdgeBase::Ptr edge;
+      if (n.cross(m).norm() < tolerance) {
+        edge = std::make_shared<CEdgePlaneParallel>();
+      } else if (std::abs(n.dot(m)) < tolerance) {
+        edge = std::make_shared<CEdgePlanePerpendicular>();
+      } else {
+        continue;
+      }
+      edge->nodes = {other->id, wall.id};
+      edge->setCovariance(variance * MatrixX::Identity(edge->residualSize(), edge->residualSize()));
+      edge->kernel = {KernelType::kCauchy, 1.0};
+      addEdge(edge);
+      return;
+    }
+  }
+
+  bool isOnThisFloor(const CNodePlane& plane) const {
+    return floor_ && floorOf(graph_, plane) == floor_->id;
+  }
+
+  /// Duplicates leave the graph; their edges go to the plane that is kept.
+  void mergePlanes() {
+    for (const PlaneMerge& merge : data_.plane_association.merges) {
+      for (const EdgeId id : graph_.edgesOf(merge.removed)) rehang(id);
+      delta_.removed_nodes.push_back(merge.removed);
+    }
+  }
+
+  void rehang(EdgeId id) {
+    if (std::find(delta_.removed_edges.begin(), delta_.removed_edges.end(), id) !=
+        delta_.removed_edges.end()) {
+      return;
+    }
+    const CEdgeBase& old = *graph_.edgeSlots()[id.value];
+    delta_.removed_edges.push_back(id);
+    const auto copy = std::dynamic_pointer_cast<CEdgeBase>(old.duplicateGetSmartPtr());
+    for (NodeId& node : copy->nodes) {
+      for (const PlaneMerge& m : data_.plane_association.merges) {
+        if (node == m.removed) node = m.kept;
+      }
+    }
+    // Regularity between two parts of one plane says nothing.
+    if (std::set<NodeId>(copy->nodes.begin(), copy->nodes.end()).size() < copy->nodes.size())
+      return;
+    addEdge(copy);
   }
 
   /// One node for the observations [begin, end) of one entity by different sensors.
@@ -230,7 +393,7 @@ class DeltaBuilder::Assembly {
   const KeyframeData& data_;
   GraphDelta delta_;
   std::shared_ptr<CNodeKeyframe> keyframe_;
-  std::shared_ptr<const CNodeFloor> floor_;
+  const CNodeFloor* floor_ = nullptr;
 };
 
 DeltaBuilder::DeltaBuilder(const MappingParams& params, const EntityModels& models)

@@ -73,6 +73,7 @@ void fields(FieldVisitor& v, PerceptionParams& p) {
           "Least rotation standard deviation of a tag pose", Range::between(0.0, 180.0));
   v.section("external", p.external, "Detections of other programs");
   v.section("fragments", p.fragments, "Point-cloud fragments of entities");
+  v.section("planes", p.planes, "Walls, ceiling and ground in the scans");
 }
 
 }  // namespace dynemo

@@ -3,11 +3,23 @@
 #include "dynemo/core/noise.h"
 #include "dynemo/mapping/ground_plane.h"
 #include "dynemo/mapping/localize.h"
+#include "dynemo/odometry/deskew.h"
 
 namespace dynemo {
+namespace {
 
-RobotTracker::RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry)
-    : params_(params) {
+/// The motion between two frames goes on; nothing where they are too far apart to tell.
+std::optional<SweepMotion> steadyMotion(const Pose3& T_last_base, double dt_s) {
+  constexpr double kMaxGap_s = 1.0;
+  if (dt_s <= 0.0 || dt_s > kMaxGap_s) return std::nullopt;
+  return SweepMotion{twistOf(T_last_base, dt_s), {}};
+}
+
+}  // namespace
+
+RobotTracker::RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry,
+                           const PlaneParams& planes)
+    : params_(params), plane_params_(planes) {
   if (params.source == OdometrySource::kRawlog && !rawlog_odometry) {
     throw ConfigError("odometry.source: rawlog: the rawlog carries no odometry; use auto or lidar");
   }
@@ -29,9 +41,11 @@ void RobotTracker::estimate(SensorFrame& frame) {
 
 void RobotTracker::estimateFromScan(SensorFrame& frame) {
   if (!T_level_odom_) {
-    const auto ground = findGround(*frame.scan, Matrix3::Identity());
+    const auto planes = planeExtractors().make(plane_params_.extractor, plane_params_);
+    const auto ground = findGround(planes->extract(*frame.scan), Matrix3::Identity());
     T_level_odom_ = ground ? Pose3(levelling(*ground), Vector3::Zero()) : Pose3();
   }
+  motion_.reset();
   const auto estimate = scan_odometry_->update(*frame.scan, frame.odometry);
   frame.odometry.reset();
   for (CameraImage& image : frame.images) image.odometry.reset();
@@ -41,6 +55,7 @@ void RobotTracker::estimateFromScan(SensorFrame& frame) {
     scan_covariance_.reset();
     return;
   }
+  motion_ = estimate->motion;
   const Pose3 T_odom_base = *T_level_odom_ * estimate->T_odom_base;
   frame.odometry = OdometryState{T_odom_base, std::nullopt};
   const auto carriedTo = [&](Stamp stamp) {
@@ -72,9 +87,18 @@ Pose3 RobotTracker::locate(const SensorFrame& frame,
     const Pose3 T_last_base = last_T_odom_base_->inverse() * T_odom_base;
     path_m_ += T_last_base.t.norm();
     path_rad_ += rotationAngle(T_last_base);
+    if (!scan_odometry_)
+      motion_ = steadyMotion(T_last_base, secondsBetween(last_stamp_, frame.stamp));
   }
   last_T_odom_base_ = T_odom_base;
+  last_stamp_ = frame.stamp;
   return T_odom_base;
+}
+
+Scan RobotTracker::still(const Scan& scan) const {
+  Scan result = scan;
+  if (motion_) result.cloud = deskew(scan.cloud, scan.T_base_lidar, *motion_, 0.0);
+  return result;
 }
 
 Matrix6 RobotTracker::covarianceSinceKeyframe(const SensorFrame& frame,

@@ -12,7 +12,9 @@ SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& model
                            bool rawlog_odometry)
     : mrpt::system::COutputLogger("dynemo"),
       params_(params),
-      tracker_(params.odometry, rawlog_odometry),
+      tracker_(params.odometry, rawlog_odometry, params.perception.planes),
+      plane_extractor_(
+          planeExtractors().make(params.perception.planes.extractor, params.perception.planes)),
       policy_(params.keyframes),
       builder_(params.mapping, models),
       loops_(params.loops),
@@ -93,57 +95,72 @@ KeyframeData SlamPipeline::select(const SensorFrame& frame, const RobotState& ro
   tracker_.keyframeMade(frame);
 
   if (frame.scan) {
-    const ScopedStage stage(timing, Stage::kFragments);
-    keyframe.scan = std::make_shared<const Scan>(*frame.scan);
-    if (graph_.floors().empty()) keyframe.ground_level_m = groundLevel(frame, robot);
-    keyframe.fragments = extractFragments(*frame.scan, observations, params_.perception.fragments);
+    keyframe.scan = std::make_shared<const Scan>(tracker_.still(*frame.scan));
+    {
+      const ScopedStage stage(timing, Stage::kFragments);
+      keyframe.fragments =
+          extractFragments(*keyframe.scan, observations, params_.perception.fragments);
+    }
+    const ScopedStage stage(timing, Stage::kPlanes);
+    seePlanes(*keyframe.scan, keyframe);
   }
-  if (params_.mapping.keyframe_entity) {
-    const ScopedStage stage(timing, Stage::kMapping);
-    keyframe.relative_covariance =
-        relativeCovariances(observations, robot, keyframe.odometry_covariance);
-    keyframe.observations = std::move(observations);
-  }
+  const ScopedStage stage(timing, Stage::kMapping);
+  if (params_.mapping.keyframe_entity) keyframe.observations = std::move(observations);
+  associate(keyframe);
   return keyframe;
 }
 
-std::optional<double> SlamPipeline::groundLevel(const SensorFrame& frame,
-                                                const RobotState& robot) const {
-  const auto ground = findGround(*frame.scan, robot.T_map_base.R);
-  if (!ground) return std::nullopt;
-  return robot.T_map_base.t.z() + ground->height_m;
+void SlamPipeline::seePlanes(const Scan& scan, KeyframeData& keyframe) const {
+  keyframe.planes = plane_extractor_->extract(scan);
+  std::erase_if(keyframe.planes, [&](const PlaneObservation& plane) {
+    return std::any_of(keyframe.fragments.begin(), keyframe.fragments.end(),
+                       [&](const PointIndices& fragment) { return isFaceOf(plane, fragment); });
+  });
+  const auto base_height_m = baseHeight(graph_);
+  keyframe.ground = findGround(keyframe.planes, keyframe.T_map_base.R,
+                               base_height_m ? std::optional(-*base_height_m) : std::nullopt);
 }
 
-std::map<EntityId, Matrix6> SlamPipeline::relativeCovariances(
-    const std::vector<EntityObservation>& observations, const RobotState& robot,
-    const Matrix6& odometry_covariance) {
-  std::map<EntityId, Matrix6> covariances;
-  std::vector<const CNodeEntity*> mapped;
-  for (const EntityObservation& observation : observations) {
-    const CNodeEntity* last = graph_.lastObservation(observation.entity);
-    if (last && (mapped.empty() || mapped.back() != last)) mapped.push_back(last);
+std::optional<KeyframePrediction> SlamPipeline::predict(const KeyframeData& keyframe) {
+  if (graph_.keyframes().empty()) return std::nullopt;
+  std::vector<NodeId> nodes;
+  if (params_.mapping.planes.enabled) {
+    nodes = planeCandidates(graph_, keyframe.T_map_base, keyframe.planes,
+                            params_.mapping.planes.association);
   }
-  if (mapped.empty()) return covariances;
-
-  const CNodeKeyframe& keyframe = *graph_.keyframes().back();
-  std::vector<NodeId> nodes = {keyframe.id};
-  for (const CNodeEntity* entity : mapped) nodes.push_back(entity->id);
-  const auto joint = optimizer_.marginalCovariance(graph_, nodes);
+  for (const EntityObservation& observation : keyframe.observations) {
+    const CNodeEntity* last = graph_.lastObservation(observation.entity);
+    if (last && (nodes.empty() || nodes.back() != last->id)) nodes.push_back(last->id);
+  }
+  if (nodes.empty()) return std::nullopt;
+  std::vector<NodeId> with_keyframe = {graph_.keyframes().back()->id};
+  with_keyframe.insert(with_keyframe.end(), nodes.begin(), nodes.end());
+  const auto joint = optimizer_.marginalCovariance(graph_, with_keyframe);
   if (!joint) {
     ++warnings_["no marginal covariance: " + joint.error()];
-    return covariances;
+    return std::nullopt;
   }
-  const Matrix6 A = composeJacobianLeft(keyframe.T_map_base().inverse() * robot.T_map_base);
-  for (std::size_t i = 0; i < mapped.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(6 * (i + 1));
-    MatrixX pair(12, 12);
-    pair << joint->block<6, 6>(at, at), joint->block<6, 6>(at, 0), joint->block<6, 6>(0, at),
-        joint->block<6, 6>(0, 0);
-    const Matrix6 to_keyframe =
-        relativePoseCovariance(mapped[i]->T_map_entity(), keyframe.T_map_base(), pair);
-    covariances[mapped[i]->entity] = A * to_keyframe * A.transpose() + odometry_covariance;
+  return KeyframePrediction(graph_, keyframe.T_map_base, keyframe.odometry_covariance,
+                            std::move(nodes), *joint);
+}
+
+void SlamPipeline::associate(KeyframeData& keyframe) {
+  const auto prediction = predict(keyframe);
+  if (!prediction) return;
+  if (params_.mapping.planes.enabled) {
+    keyframe.plane_association =
+        associatePlanes(graph_, *prediction, keyframe.planes, params_.mapping.planes.association);
   }
-  return covariances;
+  for (const EntityObservation& observation : keyframe.observations) {
+    const CNodeEntity* last = graph_.lastObservation(observation.entity);
+    if (!last) continue;
+    const MatrixX joint = prediction->jointWith({last->id});
+    MatrixX swapped(12, 12);
+    swapped << joint.bottomRightCorner(6, 6), joint.bottomLeftCorner(6, 6),
+        joint.topRightCorner(6, 6), joint.topLeftCorner(6, 6);
+    keyframe.relative_covariance[observation.entity] =
+        relativePoseCovariance(last->T_map_entity(), keyframe.T_map_base, swapped);
+  }
 }
 
 void SlamPipeline::map(const KeyframeData& keyframe, FrameTiming& timing) {
@@ -230,17 +247,22 @@ void SlamPipeline::updateTrajectory() {
 
 void SlamPipeline::updateCovariances() {
   entity_covariances_.clear();
+  plane_covariances_.clear();
   drift_covariance_.reset();
   std::vector<NodeId> nodes = {graph_.keyframes().back()->id};
   for (const auto& [entity, track] : graph_.tracks()) {
     for (const auto& node : track) nodes.push_back(node->id);
   }
+  const std::size_t planes_begin = nodes.size();
+  for (const auto& plane : graph_.planes()) nodes.push_back(plane->id);
   const auto blocks = optimizer_.marginalBlocks(graph_, nodes);
   if (!blocks) {
     ++warnings_["no marginal covariance: " + blocks.error()];
     return;
   }
-  for (std::size_t i = 1; i < nodes.size(); ++i) entity_covariances_[nodes[i]] = (*blocks)[i];
+  for (std::size_t i = 1; i < planes_begin; ++i) entity_covariances_[nodes[i]] = (*blocks)[i];
+  for (std::size_t i = planes_begin; i < nodes.size(); ++i)
+    plane_covariances_[nodes[i]] = (*blocks)[i];
   // T_map_odom = T_map_base · T_base_odom: the keyframe's uncertainty seen from the odometry's
   // origin.
   const Matrix6 A = composeJacobianLeft(graph_.keyframes().back()->T_odom_base.inverse());

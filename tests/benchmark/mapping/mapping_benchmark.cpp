@@ -1,11 +1,12 @@
-// Keyframe policy, graph deltas, ground plane, scan fitness and localisation from entities.
+// Keyframe policy, graph deltas, association of planes, scan fitness and localisation from
+// entities.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <random>
 
 #include "dynemo/core/noise.h"
 #include "dynemo/mapping/delta_builder.h"
-#include "dynemo/mapping/ground_plane.h"
 #include "dynemo/mapping/keyframe_policy.h"
 #include "dynemo/mapping/localize.h"
 #include "dynemo/mapping/odometry_noise.h"
@@ -80,11 +81,48 @@ void BuildDelta(benchmark::State& state) {
 }
 BENCHMARK(BuildDelta)->Arg(10)->Arg(100)->Unit(benchmark::kMicrosecond);
 
-void FindGround(benchmark::State& state) {
-  const Scan scan = room(static_cast<int>(state.range(0)));
-  for (auto _ : state) benchmark::DoNotOptimize(findGround(scan, Matrix3::Identity()));
+/// Four walls of 10 m, of which the keyframes saw all.
+std::vector<PlaneObservation> walls() {
+  std::vector<PlaneObservation> list;
+  for (int side = 0; side < 4; ++side) {
+    PlaneObservation wall;
+    const Matrix3 R = expSO3(Vector3(0, 0, 0.5 * 3.14159265358979323846 * side));
+    wall.patch_base.center = R * Vector3(5, 0, 1);
+    wall.patch_base.normal = -R.col(0);
+    for (std::int16_t i = -20; i < 20; ++i)
+      for (std::int16_t j = -4; j < 6; ++j) wall.patch_base.cells.push_back({i, j});
+    wall.covariance = 1e-5 * Matrix3::Identity();
+    list.push_back(wall);
+  }
+  return list;
 }
-BENCHMARK(FindGround)->Arg(16384)->Arg(65536)->Unit(benchmark::kMillisecond);
+
+void AssociatePlanes(benchmark::State& state) {
+  CSceneGraph graph;
+  const EntityModels models;
+  const DeltaBuilder builder(MappingParams(), models);
+  KeyframeData data;
+  data.odometry_covariance = isotropicCovariance(0.01, 0.01);
+  data.planes = walls();
+  for (int i = 0; i < static_cast<int>(state.range(0)); ++i) {
+    graph.apply(builder.build(graph, data));
+    data.plane_association.plane.clear();
+    for (const auto& plane : graph.planes()) data.plane_association.plane.push_back(plane->id);
+  }
+  const PlaneAssociationParams params;
+  std::size_t found = 0;
+  for (auto _ : state) {
+    const auto candidates = planeCandidates(graph, Pose3(), data.planes, params);
+    const auto n = static_cast<Eigen::Index>(6 + 3 * candidates.size());
+    const KeyframePrediction prediction(graph, Pose3(), data.odometry_covariance, candidates,
+                                        1e-4 * MatrixX::Identity(n, n));
+    const auto result = associatePlanes(graph, prediction, data.planes, params);
+    found = static_cast<std::size_t>(std::count_if(result.plane.begin(), result.plane.end(),
+                                                   [](const auto& p) { return p.has_value(); }));
+  }
+  state.counters["associated"] = static_cast<double>(found);
+}
+BENCHMARK(AssociatePlanes)->Arg(10)->Arg(1000)->Unit(benchmark::kMicrosecond);
 
 void ScanFitness(benchmark::State& state) {
   const Scan scan = room(static_cast<int>(state.range(0)));

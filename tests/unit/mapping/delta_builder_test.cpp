@@ -6,6 +6,7 @@
 
 #include "dynemo/core/noise.h"
 #include "dynemo/graph/edge_floor_entity.h"
+#include "dynemo/graph/edge_plane.h"
 #include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
 
@@ -41,6 +42,20 @@ class Builder : public testing::Test {
     o.covariance = isotropicCovariance(0.02, 0.03);
     return o;
   }
+  static PlaneObservation face(const Vector3& center_base, const Vector3& normal_base) {
+    PlaneObservation plane;
+    plane.patch_base.center = center_base;
+    plane.patch_base.normal = normal_base.normalized();
+    for (std::int16_t i = -4; i < 4; ++i)
+      for (std::int16_t j = -4; j < 4; ++j) plane.patch_base.cells.push_back({i, j});
+    plane.covariance = Vector3(1e-6, 1e-6, 4e-6).asDiagonal();
+    return plane;
+  }
+  static void seeGround(KeyframeData& data, double level_m) {
+    const double height_m = level_m - data.T_map_base.t.z();
+    data.ground = GroundPlane{data.planes.size(), Vector3::UnitZ(), height_m};
+    data.planes.push_back(face({1, 0, height_m}, Vector3::UnitZ()));
+  }
   /// Builds a keyframe from the observations and adds it to the graph.
   GraphDelta add(const Pose3& T_map_base, std::vector<EntityObservation> observations,
                  std::optional<double> ground_level_m = std::nullopt) {
@@ -48,7 +63,7 @@ class Builder : public testing::Test {
     data.stamp = Stamp::fromSeconds(t_s_);
     data.T_odom_base = data.T_map_base = T_map_base;
     data.odometry_covariance = isotropicCovariance(0.02, 0.01);
-    data.ground_level_m = ground_level_m;
+    if (ground_level_m) seeGround(data, *ground_level_m);
     data.observations = std::move(observations);
     data.fragments.resize(data.observations.size());
     GraphDelta delta = DeltaBuilder(params_, models_).build(graph_, data);
@@ -145,6 +160,96 @@ TEST_F(Builder, WithoutLidarAnEntityOfKnownHeightGivesTheFloor) {
   add(Pose3(), {see(1, Pose3::translation(2, 0, 0.15))});
   ASSERT_EQ(graph_.floors().size(), 1u);
   EXPECT_NEAR(graph_.floors()[0]->level_m, -0.10, 1e-12);
+}
+
+TEST_F(Builder, TheGroundTiesEveryKeyframeToItsFloor) {
+  const GraphDelta first = add(Pose3::translation(0, 0, 0.1), {}, -0.1);
+  ASSERT_EQ(edgesOf<CEdgeFloorGround>(first).size(), 1u);
+  EXPECT_TRUE(edgesOf<CEdgeFloorPrior>(first).empty()) << "the ground is the gauge";
+  EXPECT_NEAR(graph_.floors()[0]->level_m, -0.1, 1e-12);
+  EXPECT_NEAR(graph_.edgeCost(*edgesOf<CEdgeFloorGround>(first)[0]), 0.0, 1e-12);
+  const GraphDelta second = add(Pose3::translation(1, 0, 0.15), {}, -0.05);
+  ASSERT_EQ(edgesOf<CEdgeFloorGround>(second).size(), 1u);
+  EXPECT_EQ(graph_.floors().size(), 1u);
+  EXPECT_GT(graph_.edgeCost(*edgesOf<CEdgeFloorGround>(second)[0]), 1.0);
+}
+
+class PlaneBuilder : public Builder {
+ protected:
+  GraphDelta addPlanes(const Pose3& T_map_base, std::vector<PlaneObservation> planes,
+                       PlaneAssociation association = {}) {
+    KeyframeData data;
+    data.stamp = Stamp::fromSeconds(t_s_);
+    data.T_odom_base = data.T_map_base = T_map_base;
+    data.odometry_covariance = isotropicCovariance(0.02, 0.01);
+    data.planes = std::move(planes);
+    data.plane_association = std::move(association);
+    GraphDelta delta = DeltaBuilder(params_, models_).build(graph_, data);
+    graph_.apply(delta);
+    t_s_ += 1.0;
+    return delta;
+  }
+};
+
+TEST_F(PlaneBuilder, WallsAndCeilingsBecomeNodesAndTablesDoNot) {
+  const Pose3 T_map_base = Pose3::fromYawPitchRoll(2, 1, 0, 0.6, 0, 0);
+  const GraphDelta delta =
+      addPlanes(T_map_base, {face({3, 0, 1}, -Vector3::UnitX()), face({0, 0, 2}, -Vector3::UnitZ()),
+                             face({1, 1, 0.7}, Vector3::UnitZ())});
+  ASSERT_EQ(graph_.planes().size(), 2u);
+  ASSERT_EQ(edgesOf<CEdgeKeyframePlane>(delta).size(), 2u);
+  for (const auto* edge : edgesOf<CEdgeKeyframePlane>(delta)) {
+    EXPECT_NEAR(graph_.edgeCost(*edge), 0.0, 1e-12);
+  }
+  EXPECT_NEAR(graph_.planes()[0]->plane_map.distance(T_map_base * Vector3(3, 0.5, 0)), 0, 1e-12);
+}
+
+TEST_F(PlaneBuilder, AnUncertainPlaneIsNotMapped) {
+  PlaneObservation sliver = face({3, 0, 1}, -Vector3::UnitX());
+  sliver.covariance(0, 0) = 0.01;
+  addPlanes(Pose3(), {sliver});
+  EXPECT_TRUE(graph_.planes().empty());
+}
+
+TEST_F(PlaneBuilder, AnAssociatedPlaneGetsAnEdgeAndNoNode) {
+  addPlanes(Pose3(), {face({3, 0, 1}, -Vector3::UnitX())});
+  const NodeId wall = graph_.planes()[0]->id;
+  const GraphDelta delta =
+      addPlanes(Pose3::translation(1, 0, 0), {face({2, 0, 1}, -Vector3::UnitX())}, {{wall}, {}});
+  EXPECT_EQ(graph_.planes().size(), 1u);
+  ASSERT_EQ(edgesOf<CEdgeKeyframePlane>(delta).size(), 1u);
+  EXPECT_EQ(edgesOf<CEdgeKeyframePlane>(delta)[0]->nodes[1], wall);
+}
+
+TEST_F(PlaneBuilder, MergingRehangsTheEdgesAndTakesTheDuplicateOut) {
+  addPlanes(Pose3(), {face({3, -2, 1}, -Vector3::UnitX())});
+  addPlanes(Pose3::translation(1, 0, 0), {face({2, 2, 1}, -Vector3::UnitX())});
+  ASSERT_EQ(graph_.planes().size(), 2u);
+  const NodeId kept = graph_.planes()[0]->id, removed = graph_.planes()[1]->id;
+  const std::size_t edges = graph_.edgeCount();
+  const double cost = graph_.totalCost();
+  addPlanes(Pose3::translation(2, 0, 0), {face({1, 0, 1}, -Vector3::UnitX())},
+            {{kept}, {{kept, removed}}});
+  ASSERT_EQ(graph_.planes().size(), 1u);
+  EXPECT_EQ(graph_.findNode<CNodePlane>(removed), nullptr);
+  EXPECT_EQ(graph_.edgesOf(kept).size(), 3u);
+  EXPECT_EQ(graph_.edgeCount(), edges + 2) << "odometry and the observation";
+  EXPECT_NEAR(graph_.totalCost(), cost, 1e-12);
+}
+
+TEST_F(PlaneBuilder, RegularWallsAreTiedWhenAsked) {
+  const auto walls = {face({3, 0, 1}, -Vector3::UnitX()), face({0, 3, 1}, Vector3(0.01, -1, 0)),
+                      face({-3, 0, 1}, Vector3(1, 0.005, 0)), face({3, 3, 1}, Vector3(-1, -1, 0))};
+  EXPECT_TRUE(edgesOf<CEdgePlanePerpendicular>(addPlanes(Pose3(), walls)).empty());
+  params_.planes.regular_walls = true;
+  graph_ = CSceneGraph();
+  KeyframeData first;
+  first.planes = {*walls.begin()};
+  seeGround(first, -0.1);
+  graph_.apply(DeltaBuilder(params_, models_).build(graph_, first));
+  const GraphDelta delta = addPlanes(Pose3(), {walls.begin() + 1, walls.end()});
+  EXPECT_EQ(edgesOf<CEdgePlanePerpendicular>(delta).size(), 1u);
+  EXPECT_EQ(edgesOf<CEdgePlaneParallel>(delta).size(), 1u);
 }
 
 TEST_F(Builder, RelativePoseCovarianceMatchesSampling) {

@@ -6,6 +6,7 @@
 
 #include "dynemo/core/error.h"
 #include "frames.h"
+#include "synthetic_world.h"
 
 namespace dynemo {
 namespace {
@@ -123,6 +124,39 @@ TEST(RobotTracker, LidarOdometryIsCarriedToTheStampsOfImagesAndDetections) {
   ASSERT_TRUE(frame.images[0].odometry && frame.detections[0].odometry);
   EXPECT_NEAR(frame.images[0].odometry->T_odom_base.t.x(), 0.42, kTolerance_m);
   EXPECT_NEAR(frame.detections[0].odometry->T_odom_base.t.x(), 0.37, kTolerance_m);
+}
+
+TEST(RobotTracker, SweepsAreStraightenedByTheRecordedMotion) {
+  const test::World room = {{test::Box{Pose3::translation(0, 0, 1), Vector3(6, 4, 1)}}};
+  const test::Trajectory turn = [](double t) {
+    return Pose3::fromYawPitchRoll(t, 0.2, 0.8, 0.9 * t, 0, 0);
+  };
+  test::LidarModel lidar;
+  lidar.rows = 8;
+  lidar.columns = 180;
+  lidar.sigma_m = 0.0;
+  std::mt19937_64 random(1);
+  const auto largestError = [&](const Scan& scan) {
+    double largest_m = 0.0;
+    for (const auto& point : scan.cloud.points) {
+      const Vector3 p = turn(0.1) * (scan.T_base_lidar * point.cast<double>());
+      const Vector3 to_faces = Vector3(6, 4, 1) - (p - Vector3(0, 0, 1)).cwiseAbs();
+      largest_m = std::max(largest_m, to_faces.cwiseAbs().minCoeff());
+    }
+    return largest_m;
+  };
+  RobotTracker tracker(withSource(OdometrySource::kRawlog), true);
+  for (const double t : {0.0, 0.1}) {
+    SensorFrame frame = frameAt(t, turn(0.0).inverse() * turn(t));
+    frame.scan = test::sweep(room, lidar, turn, t, random);
+    frame.scan->stamp = frame.stamp;
+    tracker.locate(frame, {}, CSceneGraph());
+    if (t == 0.0) continue;
+    EXPECT_GT(largestError(*frame.scan), 0.1);
+    const Scan still = tracker.still(*frame.scan);
+    EXPECT_LT(largestError(still), 0.01);
+    EXPECT_EQ(still.cloud.size(), frame.scan->cloud.size());
+  }
 }
 
 TEST(RobotTracker, LidarOdometryStartsLevel) {

@@ -107,8 +107,9 @@ TEST_F(RunFolderTest, LogsGrowLineByLine) {
   timing[Stage::kMapping] = 2.25;
   run.frame(4, test::at(0.5), timing);
   const std::string csv = read(folder_ / "timing.csv");
-  EXPECT_NE(csv.find("4,1000.500000000,0.000,0.000,1.500,0.000,0.000,2.250,0.000,0.000,3.750\n"),
-            std::string::npos)
+  EXPECT_NE(
+      csv.find("4,1000.500000000,0.000,0.000,1.500,0.000,0.000,0.000,2.250,0.000,0.000,3.750\n"),
+      std::string::npos)
       << csv;
 }
 

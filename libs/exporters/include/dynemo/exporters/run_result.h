@@ -27,6 +27,8 @@ struct RunResult {
   /// T_map_base of each keyframe as the graph has it without its loop closures; empty when there is
   /// none, or when it was not asked for.
   std::span<const Pose3> keyframes_without_closures = {};
+  /// Of plane nodes' tangents, when computed.
+  const std::map<NodeId, Matrix3>* plane_covariances = nullptr;
 };
 
 }  // namespace dynemo

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include "dynemo/graph/node.h"
 
 namespace dynemo {
@@ -10,8 +12,14 @@ class CNodeFloor : public CNodeBase {
  public:
   double level_m = 0.0;
   double level_first_m = 0.0;
-  /// Where to draw it; not estimated.
+  /// The middle of its area; not estimated.
   Vector2 center_map_m = Vector2::Zero();
+  /// The box around its keyframes and the walls seen from them.
+  Eigen::AlignedBox2d area_map_m;
+  void extendArea(const Eigen::AlignedBox2d& area) {
+    area_map_m.extend(area);
+    if (!area_map_m.isEmpty()) center_map_m = area_map_m.center();
+  }
 
   int stateSize() const override { return 1; }
   int tangentSize() const override { return 1; }

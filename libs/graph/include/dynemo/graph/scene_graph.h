@@ -12,16 +12,25 @@
 #include "dynemo/graph/node_entity.h"
 #include "dynemo/graph/node_floor.h"
 #include "dynemo/graph/node_keyframe.h"
+#include "dynemo/graph/node_plane.h"
 
 namespace dynemo {
 
-/// Nodes and edges to add (and edges to take out), prepared without touching the graph. Ids count
-/// on from the graph's nextNodeId() and nextEdgeId() in the order of the lists.
+/// Nodes and edges to add and to take out, prepared without touching the graph. Ids count on from
+/// the graph's nextNodeId() and nextEdgeId() in the order of the lists; those of removed nodes and
+/// edges are not used again.
 struct GraphDelta {
   std::vector<CNodeBase::Ptr> nodes;
   std::vector<CEdgeBase::Ptr> edges;
   std::vector<EdgeId> removed_edges;
-  bool empty() const { return nodes.empty() && edges.empty() && removed_edges.empty(); }
+  /// All their edges must be among removed_edges.
+  std::vector<NodeId> removed_nodes{};
+  /// By what the areas of floors grow.
+  std::vector<std::pair<NodeId, Eigen::AlignedBox2d>> floor_areas{};
+  bool empty() const {
+    return nodes.empty() && edges.empty() && removed_edges.empty() && removed_nodes.empty() &&
+           floor_areas.empty();
+  }
 };
 
 /// Layers, bottom up: keyframes with the entities seen from them; planes; floors. Edges point from
@@ -42,8 +51,9 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
   NodeId nextNodeId() const { return {nodes_.size()}; }
   EdgeId nextEdgeId() const { return {edges_.size()}; }
 
-  /// Adds and removes what the delta says. Throws std::logic_error when ids do not continue the
-  /// graph's or an edge names a node that is not there.
+  /// Adds and removes what the delta says: first out, then in. Throws std::logic_error when ids do
+  /// not continue the graph's, an edge names a node that is not there, or a node to remove has
+  /// edges left.
   void apply(const GraphDelta& delta);
 
   std::size_t nodeCount() const { return node_count_; }
@@ -67,6 +77,7 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
 
   /// Keyframes in the order of their creation.
   const std::vector<std::shared_ptr<CNodeKeyframe>>& keyframes() const { return keyframes_; }
+  const std::vector<std::shared_ptr<CNodePlane>>& planes() const { return planes_; }
   const std::vector<std::shared_ptr<CNodeFloor>>& floors() const { return floors_; }
   /// Observations of each entity in the order of their creation.
   const std::map<EntityId, std::vector<std::shared_ptr<CNodeEntity>>>& tracks() const {
@@ -94,6 +105,7 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
   void insertNode(const CNodeBase::Ptr& node);
   void insertEdge(const CEdgeBase::Ptr& edge);
   void removeEdge(EdgeId id);
+  void removeNode(NodeId id);
   void readFrom(mrpt::serialization::CArchive& in);
 
   std::vector<CNodeBase::Ptr> nodes_;
@@ -101,6 +113,7 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
   std::vector<std::vector<EdgeId>> edges_of_node_;
   std::size_t node_count_ = 0, edge_count_ = 0;
   std::vector<std::shared_ptr<CNodeKeyframe>> keyframes_;
+  std::vector<std::shared_ptr<CNodePlane>> planes_;
   std::vector<std::shared_ptr<CNodeFloor>> floors_;
   std::map<EntityId, std::vector<std::shared_ptr<CNodeEntity>>> tracks_;
   Topology topology_;

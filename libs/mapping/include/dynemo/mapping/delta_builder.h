@@ -9,9 +9,27 @@
 #include "dynemo/core/fields.h"
 #include "dynemo/entities/motion_model.h"
 #include "dynemo/graph/scene_graph.h"
+#include "dynemo/mapping/floors.h"
+#include "dynemo/mapping/ground_plane.h"
+#include "dynemo/mapping/plane_association.h"
 #include "dynemo/perception/entity_observation.h"
 
 namespace dynemo {
+
+struct PlaneMappingParams {
+  bool enabled = true;
+  PlaneAssociationParams association;
+  /// Cauchy width of keyframe–plane and floor–ground edges in standard deviations; none when empty.
+  std::optional<double> kernel_width = 3.0;
+  /// A plane that is less certain in its normal, or smaller, is not mapped on its first sight.
+  double max_new_sigma_rad = 0.02;
+  double min_new_area_m2 = 1.5;
+  /// Edges between walls of a floor that are parallel or at right angles up to the tolerance.
+  bool regular_walls = false;
+  double regular_tolerance_rad = 0.026;
+  double regular_sigma_rad = 0.009;
+};
+void fields(FieldVisitor& v, PlaneMappingParams& p);
 
 struct MappingParams {
   /// Which constraints of the paper are built; without the first there are no entity nodes at all.
@@ -32,6 +50,9 @@ struct MappingParams {
   /// An entity this far off its known height does not stand on the floor; and a height change that
   /// is real.
   double height_tolerance_m = 0.15;
+
+  PlaneMappingParams planes;
+  FloorParams floors;
 };
 void fields(FieldVisitor& v, MappingParams& p);
 
@@ -46,8 +67,13 @@ struct KeyframeData {
   /// Of the right tangent of the odometry since the previous keyframe.
   Matrix6 odometry_covariance = Matrix6::Identity();
   std::shared_ptr<const Scan> scan;
-  /// Height of the ground in the map frame, when seen.
-  std::optional<double> ground_level_m;
+  /// Planes of the scan, and the mapped planes that they are of.
+  std::vector<PlaneObservation> planes;
+  PlaneAssociation plane_association;
+  /// Which of the planes is the ground under the robot, when seen.
+  std::optional<GroundPlane> ground;
+  /// How certainly the ground is off the level.
+  double ground_slope_rad = 0.0;
   /// Ordered by entity; several sensors may see the same one.
   std::vector<EntityObservation> observations;
   /// Fragment of each observation.

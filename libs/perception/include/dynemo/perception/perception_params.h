@@ -5,6 +5,7 @@
 
 #include "dynemo/core/fields.h"
 #include "dynemo/perception/fragments.h"
+#include "dynemo/perception/plane_extractor.h"
 #include "dynemo/perception/pose_ambiguity.h"
 #include "dynemo/perception/tag_finder_params.h"
 #include "dynemo/perception/tag_pose.h"
@@ -30,6 +31,7 @@ struct PerceptionParams {
   double min_sigma_rotation_rad = 0.005;
   ExternalDetectorParams external;
   FragmentParams fragments;
+  PlaneParams planes;
 };
 void fields(FieldVisitor& v, PerceptionParams& p);
 

@@ -38,8 +38,8 @@ struct DynemoParams {
   LoopParams loops;
   SolverParams solver;
   /// Registered exporters whose files the run folder gets.
-  std::vector<std::string> outputs = {"trajectory", "keyframes", "odometry", "entities", "g2o",
-                                      "graph",      "3dscene",   "map",      "session"};
+  std::vector<std::string> outputs = {"trajectory", "keyframes", "odometry", "entities", "planes",
+                                      "g2o",        "graph",     "3dscene",  "map",      "session"};
   /// Results so far are written every so many seconds of the dataset, for runs that get killed.
   double checkpoint_s = 60.0;
 };

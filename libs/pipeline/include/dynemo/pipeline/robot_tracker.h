@@ -9,6 +9,7 @@
 #include "dynemo/graph/scene_graph.h"
 #include "dynemo/ingest/sensor_frame.h"
 #include "dynemo/odometry/scan_odometry.h"
+#include "dynemo/odometry/sweep_motion.h"
 #include "dynemo/perception/entity_observation.h"
 #include "dynemo/pipeline/front_end_cache.h"
 #include "dynemo/pipeline/params.h"
@@ -17,9 +18,10 @@ namespace dynemo {
 
 class RobotTracker {
  public:
-  /// `rawlog_odometry`: the log carries odometry. Throws ConfigError when the configured source is
-  /// not to be had.
-  RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry);
+  /// `rawlog_odometry`: the log carries odometry. `planes`: how the ground is found, on which LiDAR
+  /// odometry starts level. Throws ConfigError when the configured source is not to be had.
+  RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry,
+               const PlaneParams& planes = {});
   ~RobotTracker();
 
   /// Records or replays the LiDAR odometry, where there is any; before the first frame.
@@ -34,6 +36,10 @@ class RobotTracker {
   Pose3 locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations,
                const CSceneGraph& graph);
 
+  /// A frame's scan as a robot at rest at its stamp would have measured it, by the motion that
+  /// locate() of the same frame knows of; as it is when it has no point times.
+  Scan still(const Scan& scan) const;
+
   /// Covariance of the right tangent of the motion since the last keyframe, for a keyframe made of
   /// this frame.
   Matrix6 covarianceSinceKeyframe(const SensorFrame& frame, const CSceneGraph& graph) const;
@@ -45,10 +51,13 @@ class RobotTracker {
   void estimateFromScan(SensorFrame& frame);
 
   RobotOdometryParams params_;
+  PlaneParams plane_params_;
   std::unique_ptr<ScanOdometry> scan_odometry_;
   std::optional<Pose3>
       T_level_odom_;  ///< LiDAR odometry starts with the base's axes, not with level ones
   std::optional<Pose3> last_T_odom_base_;
+  Stamp last_stamp_;
+  std::optional<SweepMotion> motion_;  ///< during the present sweep
   std::optional<OdometryState> keyframe_odometry_;
   /// LiDAR odometry: covariance accumulated since the last keyframe; empty when a scan failed in
   /// between.

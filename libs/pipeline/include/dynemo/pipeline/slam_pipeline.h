@@ -51,7 +51,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   /// Frames so far; T_map_base is current as of the last finish().
   const std::vector<FramePose>& frames() const { return frames_; }
   RunResult result() const {
-    return {graph_, frames_, entity_covariances_, keyframes_without_closures_};
+    return {graph_, frames_, entity_covariances_, keyframes_without_closures_, &plane_covariances_};
   }
   /// Covariance of the drift T_map_odom's right tangent as of the last finish(), when the gauge
   /// allows it.
@@ -82,10 +82,11 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   void closeLoops(FrameTiming& timing);
   void optimize(const SensorFrame& frame, FrameTiming& timing);
 
-  std::map<EntityId, Matrix6> relativeCovariances(
-      const std::vector<EntityObservation>& observations, const RobotState& robot,
-      const Matrix6& odometry_covariance);
-  std::optional<double> groundLevel(const SensorFrame& frame, const RobotState& robot) const;
+  /// Planes of the scan without the faces of entities, and which of them is the ground.
+  void seePlanes(const Scan& scan, KeyframeData& keyframe) const;
+  /// What the graph knows, with its uncertainty, of what the keyframe observes.
+  void associate(KeyframeData& keyframe);
+  std::optional<KeyframePrediction> predict(const KeyframeData& keyframe);
   void runOptimizer(std::uint64_t frame_index, Stamp stamp);
   void settleLoops();
   void updateCovariances();
@@ -93,6 +94,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   DynemoParams params_;
   RobotTracker tracker_;
   std::vector<std::unique_ptr<EntityDetector>> detectors_;
+  std::unique_ptr<PlaneExtractor> plane_extractor_;
   KeyframePolicy policy_;
   DeltaBuilder builder_;
   LoopCloser loops_;
@@ -103,6 +105,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   std::vector<std::size_t>
       keyframe_of_frame_;  ///< index of the latest keyframe at or before each frame
   std::map<NodeId, Matrix6> entity_covariances_;
+  std::map<NodeId, Matrix3> plane_covariances_;
   std::vector<Pose3> keyframes_without_closures_;
   std::optional<Matrix6> drift_covariance_;
   std::vector<OptimizationRecord> optimizations_;

@@ -13,6 +13,7 @@ enum class Stage {
   kDetection,
   kKeyframe,
   kFragments,
+  kPlanes,
   kMapping,
   kLoops,
   kOptimization,
@@ -20,7 +21,8 @@ enum class Stage {
 };
 
 constexpr std::array<const char*, static_cast<std::size_t>(Stage::kCount)> kStageNames = {
-    "ingest", "odometry", "detection", "keyframe", "fragments", "mapping", "loops", "optimization"};
+    "ingest", "odometry", "detection", "keyframe",    "fragments",
+    "planes", "mapping",  "loops",     "optimization"};
 
 /// Wall time of each stage of one frame [ms].
 struct FrameTiming {
