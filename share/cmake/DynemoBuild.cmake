@@ -5,6 +5,8 @@ set(CMAKE_CXX_STANDARD 20)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
 set(CMAKE_CXX_EXTENSIONS OFF)
 set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+# The two packages that cpack makes: what is not said to belong to the programs is for developers.
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME development)
 set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 
 if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
@@ -52,12 +54,14 @@ function(dynemo_add_library name)
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
-# dynemo_add_program(NAME SOURCES ... DEPENDS ...): an installed command.
+# dynemo_add_program(NAME SOURCES ... DEPENDS ...): an installed command, with a manual page and completion made from its
+# --help (DynemoPrograms.cmake).
 function(dynemo_add_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
-  install(TARGETS ${name})
+  install(TARGETS ${name} COMPONENT programs)
+  set_property(GLOBAL APPEND PROPERTY DYNEMO_PROGRAMS ${name})
 endfunction()
 
 # dynemo_add_test(NAME SOURCES ... DEPENDS ... [TIMEOUT s]): a GoogleTest program, one CTest test.

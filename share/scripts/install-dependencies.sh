@@ -4,12 +4,14 @@ set -euo pipefail
 
 usage() {
   cat <<EOF
-Usage: install-dependencies.sh [--check]
+Usage: install-dependencies.sh [--check | --list-libraries]
   --check  install nothing; succeed when every package is installed, else list the missing ones
+  --list-libraries  print the packages that a project needs to build against the libraries, and exit
 EOF
 }
 
-build_tools=(g++ cmake ninja-build ccache)
+build_tools=(g++ cmake ninja-build ccache help2man)
+packaging_tools=(dpkg-dev file doxygen)
 libraries=(
   libmrpt-maps-dev # with it: obs, graphs, opengl, poses, math, img, io, system and what these stand on
   libmrpt-slam-dev
@@ -28,10 +30,17 @@ libraries=(
   nlohmann-json3-dev
   libcli11-dev
   libexpected-dev
+  librosbag-storage-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev # ROS 1 bags
 )
 run_time_tools=(gnuplot-nox) # figures of dynemo-ablation
 test_libraries=(libgtest-dev libbenchmark-dev libceres-dev)
-packages=("${build_tools[@]}" "${libraries[@]}" "${run_time_tools[@]}" "${test_libraries[@]}")
+# Programs of others that tests look through; tests that lack theirs are skipped.
+test_programs=(
+  mrpt-apps xvfb xdotool imagemagick # RawLogViewer's window
+  slurmctld slurmd slurm-client munge # dynemo-batch --slurm
+)
+packages=("${build_tools[@]}" "${packaging_tools[@]}" "${libraries[@]}" "${run_time_tools[@]}" "${test_libraries[@]}"
+  "${test_programs[@]}")
 
 fail() {
   echo "install-dependencies.sh: $*" >&2
@@ -59,6 +68,10 @@ check_only=false
 case "${1:-}" in
   "") ;;
   --check) check_only=true ;;
+  --list-libraries)
+    printf '%s\n' "${libraries[@]}"
+    exit 0
+    ;;
   -h | --help)
     usage
     exit 0

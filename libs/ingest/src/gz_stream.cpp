@@ -50,6 +50,7 @@ GzStream::~GzStream() {
 void GzStream::beginObject() {
   object_bytes_ = 0;
   head_.clear();
+  data_.clear();
 }
 
 bool GzStream::refill() {
@@ -114,6 +115,7 @@ size_t GzStream::Read(void* buffer, size_t count) {
   object_bytes_ += done;
   if (head_.size() < kHeadBytes)
     head_.append(static_cast<const char*>(buffer), std::min(done, kHeadBytes - head_.size()));
+  if (keep_data_) data_.append(static_cast<const char*>(buffer), done);
   return done;
 }
 

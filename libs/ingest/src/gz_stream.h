@@ -27,6 +27,11 @@ class GzStream : public mrpt::io::CStream {
   void beginObject();
   /// Bytes read of the present object.
   std::uint64_t objectBytes() const { return object_bytes_; }
+  /// Whether objectData() is kept.
+  void keepObjectData(bool keep) { keep_data_ = keep; }
+  /// Every byte read of the present object.
+  std::string& objectData() { return data_; }
+  bool compressed() const { return compressed_; }
   /// The first bytes read of the present object.
   const std::string& objectHead() const { return head_; }
   /// What is wrong with the compression of the file; empty when nothing is (so far).
@@ -52,9 +57,10 @@ class GzStream : public mrpt::io::CStream {
   z_stream zlib_{};  ///< next_in and avail_in are the unread part of input_, compressed or not
   bool compressed_ = false;
   bool member_ended_ = false;
+  bool keep_data_ = false;
   std::uint64_t taken_from_file_ = 0;
   std::uint64_t object_bytes_ = 0;
-  std::string head_, error_;
+  std::string head_, data_, error_;
 };
 
 }  // namespace dynemo

@@ -6,23 +6,8 @@
 namespace dynemo {
 namespace {
 
-/// Stamps are taken between 1970 and 2100; anything else is corrupt, or MRPT's "no time stamp".
-std::optional<Stamp> validStamp(mrpt::Clock::time_point time) {
-  static const std::int64_t first = toMrpt(Stamp{0}).time_since_epoch().count();
-  constexpr std::int64_t kTicks = 130LL * 366 * 86400 * 10'000'000;
-  const std::int64_t ticks = time.time_since_epoch().count();
-  if (ticks < first || ticks > first + kTicks) return std::nullopt;
-  return fromMrpt(time);
-}
-
 std::string labelText(const std::string& label) {
   return label.empty() ? "(no label)" : "'" + label + "'";
-}
-
-std::string shortClassName(const mrpt::rtti::CObject& object) {
-  const std::string name = object.GetRuntimeClass()->className;
-  const auto colon = name.rfind(':');
-  return colon == std::string::npos ? name : name.substr(colon + 1);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include <new>
 
 #include "dynemo/core/error.h"
+#include "dynemo/core/mrpt_conversions.h"
 #include "gz_stream.h"
 #include "memory_limit.h"
 
@@ -21,16 +22,11 @@ namespace {
 
 using mrpt::serialization::CSerializable;
 
-std::string withoutNamespace(const std::string& name) {
-  const auto colon = name.rfind(':');
-  return colon == std::string::npos ? name : name.substr(colon + 1);
-}
-
 RawlogEntry classify(CSerializable::Ptr object) {
   RawlogEntry entry;
   entry.object = std::move(object);
   if (!entry.object) return entry;
-  entry.class_name = withoutNamespace(entry.object->GetRuntimeClass()->className);
+  entry.class_name = shortClassName(*entry.object);
   using Kind = RawlogEntry::Kind;
   if (IS_DERIVED(*entry.object, mrpt::obs::CObservation))
     entry.kind = Kind::kObservation;
@@ -58,6 +54,20 @@ std::string classNameInHeader(const std::string& head) {
 }
 
 }  // namespace
+
+std::string shortClassName(const mrpt::rtti::CObject& object) {
+  const std::string name = object.GetRuntimeClass()->className;
+  const auto colon = name.rfind(':');
+  return colon == std::string::npos ? name : name.substr(colon + 1);
+}
+
+std::optional<Stamp> validStamp(mrpt::Clock::time_point time) {
+  static const std::int64_t first = toMrpt(Stamp{0}).time_since_epoch().count();
+  constexpr std::int64_t kTicks = 130LL * 366 * 86400 * 10'000'000;
+  const std::int64_t ticks = time.time_since_epoch().count();
+  if (ticks < first || ticks > first + kTicks) return std::nullopt;
+  return fromMrpt(time);
+}
 
 void registerRawlogClasses() {
   // The calls also keep the linker from dropping the libraries, which no other symbol may need.
@@ -120,7 +130,9 @@ std::optional<RawlogEntry> RawlogReader::next() {
     const MemoryLimit limit(impl_->max_bytes);
     auto object = impl_->archive->ReadObject();
     ++impl_->objects;
-    return classify(std::move(object));
+    RawlogEntry entry = classify(std::move(object));
+    entry.bytes = std::move(impl_->stream.objectData());
+    return entry;
   } catch (const std::bad_alloc&) {
     impl_->stopDamaged("an object asks for more memory than allowed (corrupt length?)");
   } catch (const std::exception&) {
@@ -130,6 +142,8 @@ std::optional<RawlogEntry> RawlogReader::next() {
   return std::nullopt;
 }
 
+void RawlogReader::keepBytes(bool keep) { impl_->stream.keepObjectData(keep); }
+bool RawlogReader::compressed() const { return impl_->stream.compressed(); }
 const std::string& RawlogReader::damage() const { return impl_->damage; }
 std::uint64_t RawlogReader::objectsRead() const { return impl_->objects; }
 

@@ -1,6 +1,8 @@
 // The objects of a rawlog, one after the other, from plain or gzip-compressed files.
 #pragma once
 
+#include <mrpt/core/Clock.h>
+#include <mrpt/rtti/CObject.h>
 #include <mrpt/serialization/CSerializable.h>
 
 #include <cstdint>
@@ -9,7 +11,15 @@
 #include <optional>
 #include <string>
 
+#include "dynemo/core/time.h"
+
 namespace dynemo {
+
+/// The class of an object without its namespace.
+std::string shortClassName(const mrpt::rtti::CObject& object);
+
+/// Stamps are taken between 1970 and 2100; anything else is corrupt, or MRPT's "no time stamp".
+std::optional<Stamp> validStamp(mrpt::Clock::time_point time);
 
 /// Registers the observation and map classes with MRPT, so that they can be read; harmless when
 /// repeated.
@@ -20,6 +30,7 @@ struct RawlogEntry {
   Kind kind = Kind::kNull;
   std::string class_name;  ///< without namespace; empty for a stored null object
   mrpt::serialization::CSerializable::Ptr object;  ///< null for kNull only
+  std::string bytes;  ///< as stored, when the reader keeps them
 };
 
 /// Reads one object at a time; memory does not depend on the length of the file. Not thread-safe,
@@ -30,6 +41,11 @@ class RawlogReader {
   RawlogReader(const std::filesystem::path& file, std::size_t max_object_bytes);
   ~RawlogReader();
   RawlogReader(RawlogReader&&) noexcept;
+
+  /// Whether entries come with their bytes, so that they can be copied unchanged; off at first.
+  void keepBytes(bool keep);
+  /// Whether the file is gzip-compressed.
+  bool compressed() const;
 
   /// The next object, or nothing at the end of what can be read.
   std::optional<RawlogEntry> next();

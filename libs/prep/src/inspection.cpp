@@ -1,0 +1,111 @@
+#include "dynemo/prep/inspection.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dynemo/core/error.h"
+#include "dynemo/ingest/rawlog_source.h"
+#include "sensor_statistics.h"
+
+namespace dynemo {
+namespace {
+
+/// Which images are searched for tags: evenly spread over each camera's.
+class ImageSample {
+ public:
+  ImageSample(const Inspection& inspection, int images_per_camera) {
+    for (const SensorInspection& s : inspection.sensors)
+      if (s.camera)
+        step_[s.label] = std::max<std::uint64_t>(
+            1, s.count / static_cast<std::uint64_t>(std::max(1, images_per_camera)));
+    none_ = images_per_camera == 0;
+  }
+  /// Removes from the frame the images that are not in the sample.
+  void thin(SensorFrame& frame) {
+    std::erase_if(frame.images, [&](const CameraImage& image) {
+      const auto step = step_.find(image.label);
+      return none_ || step == step_.end() || seen_[image.label]++ % step->second != 0;
+    });
+  }
+
+ private:
+  std::map<std::string, std::uint64_t> step_, seen_;
+  bool none_ = false;
+};
+
+/// Reads the log as dynemo-slam does. A choice that is left open, or nothing usable, is a finding.
+void inspectFrames(const std::filesystem::path& rawlog, const InspectionParams& params,
+                   Inspection& inspection) {
+  TagSurvey survey(params.tags);
+  ImageSample sample(inspection, params.tag_images);
+  try {
+    const auto source = makeRawlogSource(params.sensors, rawlog);
+    while (auto frame = source->next()) {
+      sample.thin(*frame);
+      survey.add(*frame);
+    }
+    inspection.frames = source->report().frames;
+    inspection.ingest_warnings = source->report().warnings;
+  } catch (const ConfigError& e) {
+    inspection.findings.push_back(
+        {Severity::kError, e.what(),
+         "choose with --set here and for dynemo-slam, or rename or remove sensors: dynemo-prep "
+         "relabel, rawlog-edit --remove-label"});
+  } catch (const DataError& e) {
+    inspection.findings.push_back(
+        {Severity::kError, e.what(),
+         "dynemo-slam needs scans, images with tags, entity detections or odometry, as "
+         "CObservationPointCloud, CObservationImage, CObservation6DFeatures, "
+         "CObservationRobotPose, …"});
+  }
+  inspection.images_searched = survey.imagesSearched();
+  inspection.tags = survey.tags();
+}
+
+}  // namespace
+
+const char* useText(UseOfSensor use) {
+  switch (use) {
+    case UseOfSensor::kScan:
+      return "scan";
+    case UseOfSensor::kImage:
+      return "image";
+    case UseOfSensor::kOdometry:
+      return "odometry";
+    case UseOfSensor::kDetections:
+      return "detections";
+    case UseOfSensor::kNotUsed:
+      break;
+  }
+  return "not used";
+}
+
+const char* severityText(Severity severity) {
+  switch (severity) {
+    case Severity::kError:
+      return "error";
+    case Severity::kWarning:
+      return "warning";
+    case Severity::kHint:
+      break;
+  }
+  return "hint";
+}
+
+bool Inspection::runnable() const {
+  return std::none_of(findings.begin(), findings.end(),
+                      [](const Finding& f) { return f.severity == Severity::kError; });
+}
+
+Inspection inspectRawlog(const std::filesystem::path& rawlog, const InspectionParams& params) {
+  extrinsicsTable(params.sensors);  // wrong ones are the caller's error, not the log's
+  Inspection inspection;
+  inspectObjects(rawlog, params, inspection);
+  inspectFrames(rawlog, params, inspection);
+  judge(params, inspection);
+  std::stable_sort(inspection.findings.begin(), inspection.findings.end(),
+                   [](const Finding& a, const Finding& b) { return a.severity < b.severity; });
+  return inspection;
+}
+
+}  // namespace dynemo

@@ -1,0 +1,117 @@
+#include <cstdio>
+#include <numbers>
+
+#include "dynemo/prep/inspection.h"
+
+namespace dynemo {
+namespace {
+
+template <class... Values>
+std::string format(const char* pattern, Values... values) {
+  char text[512];
+  std::snprintf(text, sizeof(text), pattern, values...);
+  return text;
+}
+
+std::string named(const std::string& label) { return label.empty() ? "(no label)" : label; }
+
+std::string poseText(const Pose3& T) {
+  constexpr double kDeg = 180.0 / std::numbers::pi;
+  const Vector3 ypr = T.R.eulerAngles(2, 1, 0) * kDeg;
+  // Of the two sets of angles the one with the pitch within ±90°.
+  Vector3 a = ypr;
+  if (std::abs(a.y()) > 90.0)
+    a = {a.x() > 0 ? a.x() - 180 : a.x() + 180, a.y() > 0 ? 180 - a.y() : -180 - a.y(),
+         a.z() > 0 ? a.z() - 180 : a.z() + 180};
+  return format("(%.3f %.3f %.3f) m, yaw %.1f pitch %.1f roll %.1f deg", T.t.x(), T.t.y(), T.t.z(),
+                a.x(), a.y(), a.z());
+}
+
+std::string sensorRow(const SensorInspection& s) {
+  std::string row = format("%-14s %-24s %-10s %8llu", named(s.label).c_str(), s.class_name.c_str(),
+                           useText(s.use), static_cast<unsigned long long>(s.count));
+  row += s.first ? format(" %9.2f %9.1f", s.rate_hz(), s.duration_s()) : "         -         -";
+  row += format(" %5llu %8.2f %6llu", static_cast<unsigned long long>(s.gaps), s.longest_gap_s,
+                static_cast<unsigned long long>(s.jumps_back));
+  if (s.other_clock) row += format("  clock %+.3f s", s.clock_offset_s);
+  return row + "\n";
+}
+
+std::string sensorDetails(const SensorInspection& s) {
+  if (s.use == UseOfSensor::kNotUsed) return {};
+  std::string text;
+  const std::string lead = format("%-14s ", named(s.label).c_str());
+  if (s.use != UseOfSensor::kOdometry && s.T_base_sensor)
+    text += lead + "mounted at " + poseText(*s.T_base_sensor) + "\n";
+  if (s.scan && s.count > 0)
+    text += lead + format("%llu to %llu points, %.0f on average, %s\n",
+                          static_cast<unsigned long long>(s.scan->min_points),
+                          static_cast<unsigned long long>(s.scan->max_points),
+                          static_cast<double>(s.scan->sum_points) / static_cast<double>(s.count),
+                          s.scan->point_times ? "each with its time" : "without times");
+  if (!s.camera) return text;
+  const CameraInspection& c = *s.camera;
+  text += lead + format("%d x %d, fx %.1f fy %.1f cx %.1f cy %.1f, distortion %s, %llu inside of "
+                        "the log, %llu in files",
+                        c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.distortion.c_str(),
+                        static_cast<unsigned long long>(c.embedded),
+                        static_cast<unsigned long long>(c.external));
+  if (c.external_missing > 0)
+    text += format(" (%llu missing)", static_cast<unsigned long long>(c.external_missing));
+  return text + "\n";
+}
+
+std::string tagsText(const Inspection& log) {
+  if (log.images_searched == 0) return {};
+  std::string text = format("\nTags seen in %llu of the images\n",
+                            static_cast<unsigned long long>(log.images_searched));
+  if (!log.tags.empty()) text += "    id   seen   smallest    largest   measured size\n";
+  for (const SurveyedTag& tag : log.tags) {
+    text += format("%6d %6d %7.0f px %7.0f px", tag.id, tag.sightings, tag.min_edge_px,
+                   tag.max_edge_px);
+    text += tag.measured_size_m ? format("   %.3f m (%d points)\n", *tag.measured_size_m,
+                                         tag.size_points)
+                                : "   -\n";
+  }
+  return text;
+}
+
+std::string findingsText(const Inspection& log) {
+  std::string text = "\n";
+  for (const Finding& f : log.findings) {
+    text += format("%-8s ", severityText(f.severity)) + f.what + "\n";
+    if (!f.fix.empty()) text += "         -> " + f.fix + "\n";
+  }
+  if (log.findings.empty()) text += "No problems found.\n";
+  return text;
+}
+
+}  // namespace
+
+std::string inspectionText(const Inspection& log) {
+  std::string text = log.rawlog.string() + ": " +
+                     format("%.1f MB, %s, %s, %llu objects", static_cast<double>(log.file_bytes) / 1e6,
+                            log.compressed ? "compressed" : "not compressed",
+                            log.actions_and_frames ? "actions and sensory frames" : "observations",
+                            static_cast<unsigned long long>(log.objects));
+  if (log.first)
+    text += format(", %.1f s from %s", secondsBetween(*log.first, *log.last),
+                   log.first->text().c_str());
+  text += "\n\n" + format("%-14s %-24s %-10s %8s %9s %9s %5s %8s %6s\n", "Sensor", "Class", "Use",
+                          "Count", "Rate [Hz]", "Length[s]", "Gaps", "Max [s]", "Jumps");
+  for (const SensorInspection& s : log.sensors) text += sensorRow(s);
+  for (const auto& [name, count] : log.other_objects)
+    text += format("%-14s %-24s %-10s %8llu\n", "-", name.c_str(),
+                   name == "CActionCollection" ? "odometry" : "not used",
+                   static_cast<unsigned long long>(count));
+  text += "\n";
+  for (const SensorInspection& s : log.sensors) text += sensorDetails(s);
+  text += tagsText(log) + findingsText(log) + "\n";
+  text += log.runnable()
+              ? format("dynemo-slam can run it: %llu frames.\n",
+                       static_cast<unsigned long long>(log.frames))
+              : std::string("dynemo-slam cannot run it.\n");
+  return text;
+}
+
+}  // namespace dynemo

@@ -1,0 +1,124 @@
+// dynemo-prep as its user calls it, on the bundled sample and, where there is one, on a real bag.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "dataset.h"
+#include "process.h"
+
+namespace dynemo::test {
+namespace {
+
+Outcome prep(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), DYNEMO_PREP);
+  return runCommand(arguments);
+}
+
+class Prep : public ::testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (folder / name).string(); }
+  const Dataset sample = bundledSample();
+  const std::string rawlog = sample.rawlog().string();
+  TemporaryFolder folder;
+};
+
+TEST_F(Prep, HelpNamesEveryCommand) {
+  const Outcome help = prep({"--help"});
+  EXPECT_EQ(help.status, 0);
+  for (const char* command :
+       {"check", "tags", "trim", "split", "decimate", "merge", "set-extrinsics", "set-calibration",
+        "relabel", "externalize-images", "annotate", "import", "export"}) {
+    EXPECT_NE(help.out.find(command), std::string::npos) << command;
+    EXPECT_EQ(prep({command, "--help"}).status, 0) << command;
+    EXPECT_EQ(prep({command}).status, 2) << command;
+  }
+  EXPECT_EQ(prep({}).status, 2);
+  EXPECT_EQ(prep({"nope"}).status, 2);
+}
+
+TEST_F(Prep, CheckSaysWhetherItCanRun) {
+  const Outcome good = prep({"check", rawlog});
+  EXPECT_EQ(good.status, 0) << describe(good);
+  EXPECT_NE(good.out.find("dynemo-slam can run it: 131 frames"), std::string::npos) << good.out;
+  const auto json = nlohmann::json::parse(prep({"check", "--json", rawlog}).out);
+  EXPECT_EQ(json["runnable"], true);
+  EXPECT_EQ(json["sensors"].size(), 4U);
+  EXPECT_GT(json["tags"].size(), 10U);
+
+  ASSERT_EQ(prep({"relabel", rawlog, "-o", path("two.rawlog"), "--label", "odom3d=other"}).status, 0);
+  ASSERT_EQ(prep({"merge", path("two.rawlog"), rawlog, "-o", path("both.rawlog")}).status, 0);
+  const Outcome open = prep({"check", path("both.rawlog")});
+  EXPECT_EQ(open.status, 1) << describe(open);
+  EXPECT_NE(open.out.find("sensors.odometry.label"), std::string::npos);
+  EXPECT_EQ(prep({"check", path("both.rawlog"), "--set", "sensors.odometry.label=odom3d"}).status, 0);
+}
+
+TEST_F(Prep, MissingAndWrongFilesAreOneErrorEach) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"check", path("missing.rawlog")},
+        {"trim", path("missing.rawlog"), "-o", path("o.rawlog")},
+        {"import", path("missing.bag"), "-o", path("o.rawlog")},
+        {"import", rawlog, "-o", path("o.rawlog")},
+        {"trim", rawlog, "-o", rawlog}}) {
+    const Outcome outcome = prep(arguments);
+    EXPECT_EQ(outcome.status, 3) << describe(outcome);
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_TRUE(outcome.out.empty());
+  }
+  EXPECT_FALSE(fs::exists(path("o.rawlog")));
+}
+
+TEST_F(Prep, TheDraftedEntityFileRuns) {
+  const Outcome tags = prep({"tags", rawlog, "-o", path("entities.yaml")});
+  ASSERT_EQ(tags.status, 0) << describe(tags);
+  const Outcome slam = runCommand({DYNEMO_SLAM, "--entities", path("entities.yaml"), "--output",
+                                   path("run"), "--set", "outputs=[trajectory]", rawlog});
+  EXPECT_EQ(slam.status, 0) << describe(slam);
+  EXPECT_EQ(prep({"tags", rawlog, "-o", path("entities.yaml")}).status, 3) << "is not overwritten";
+}
+
+TEST_F(Prep, AnAnnotatedLogGivesTheSameMapWithoutACamera) {
+  const std::string entities = sample.entities().string();
+  const Outcome annotated = prep({"annotate", rawlog, "--entities", entities, "--drop-images", "-o",
+                                  path("annotated.rawlog")});
+  ASSERT_EQ(annotated.status, 0) << describe(annotated);
+  const auto summaryOf = [&](const std::string& log, const std::string& run) {
+    const Outcome slam = runCommand({DYNEMO_SLAM, "--entities", entities, "--output", path(run), log});
+    EXPECT_EQ(slam.status, 0) << describe(slam);
+    return nlohmann::json::parse(readBytes(folder / run / "summary.json"));
+  };
+  const auto seen = summaryOf(rawlog, "seen"), stored = summaryOf(path("annotated.rawlog"), "stored");
+  EXPECT_EQ(stored["keyframes"]["count"], seen["keyframes"]["count"]);
+  ASSERT_EQ(stored["entities"].size(), seen["entities"].size());
+  for (std::size_t i = 0; i < seen["entities"].size(); ++i) {
+    EXPECT_EQ(stored["entities"][i]["id"], seen["entities"][i]["id"]);
+    EXPECT_EQ(stored["entities"][i]["moved"], seen["entities"][i]["moved"]);
+    EXPECT_EQ(stored["entities"][i]["observations"], seen["entities"][i]["observations"]);
+  }
+}
+
+TEST_F(Prep, RealBagsGiveTheirClouds) {
+  const char* data = std::getenv("DYNEMO_REAL_DATA");
+  if (data == nullptr || *data == '\0') GTEST_SKIP() << "DYNEMO_REAL_DATA is not set";
+  const std::string bag = std::string(data) + "/bags/embag_test_luminar.bag";
+  const Outcome imported = prep({"import", bag, "-o", path("bag.rawlog")});
+  ASSERT_EQ(imported.status, 0) << describe(imported);
+  const auto json = nlohmann::json::parse(prep({"check", "--json", path("bag.rawlog")}).out);
+  bool found = false;
+  for (const auto& sensor : json["sensors"]) {
+    if (sensor["label"] != "luminar_pointcloud") continue;
+    found = true;
+    EXPECT_EQ(sensor["class"], "CObservationPointCloud");
+    EXPECT_EQ(sensor["count"], 5);
+    EXPECT_EQ(sensor["scan"]["min_points"], 35707);
+    EXPECT_EQ(sensor["scan"]["max_points"], 36457);
+    EXPECT_NEAR(sensor["scan"]["mean_points"].get<double>() * 5,
+                35707 + 36055 + 36267 + 36457 + 36336, 0.5);
+    EXPECT_EQ(sensor["first"].get<std::string>().substr(0, 15), "1583971570.0153");
+  }
+  EXPECT_TRUE(found) << json.dump(1);
+}
+
+}  // namespace
+}  // namespace dynemo::test

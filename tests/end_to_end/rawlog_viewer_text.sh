@@ -1,0 +1,50 @@
+#!/usr/bin/env bash
+# Opens a rawlog in MRPT's RawLogViewer, on a display of its own, and prints what its window shows of the classes and
+# labels in it, as read by optical character recognition. Usage: rawlog_viewer_text.sh FILE.rawlog
+set -euo pipefail
+
+file=$(realpath "$1")
+scratch=$(mktemp -d)
+pids=()
+finish() {
+  for pid in "${pids[@]}"; do kill "$pid" 2>/dev/null || true; done
+  wait 2>/dev/null || true
+  rm -rf "$scratch"
+}
+trap finish EXIT
+
+Xvfb -displayfd 3 -screen 0 1280x1000x24 3>"$scratch/display" >/dev/null 2>&1 &
+pids+=($!)
+for _ in {1..300}; do
+  [[ -s $scratch/display ]] && break
+  sleep 0.1
+done
+DISPLAY=:$(<"$scratch/display")
+export DISPLAY HOME=$scratch
+
+# It finds the images only when it is started beside the rawlog.
+cd "$(dirname "$file")"
+RawLogViewer "$(basename "$file")" >"$scratch/viewer.txt" 2>&1 &
+viewer=$!
+pids+=("$viewer")
+
+# The pane at the lower right of a window of this size.
+pane=860x520+405+325
+for _ in {1..120}; do
+  sleep 0.5
+  kill -0 "$viewer" 2>/dev/null || { echo "RawLogViewer has ended"; cat "$scratch/viewer.txt"; exit 1; }
+  for tip in $(xdotool search --name '^Tip of the Day$' 2>/dev/null); do xdotool windowclose "$tip" || true; done
+  for window in $(xdotool search --name '^RawlogViewer - Part' 2>/dev/null); do
+    xdotool windowmove "$window" 0 0 windowsize "$window" 1270 990 || true
+  done
+  import -window root -crop "$pane" +repage -resize 250% "$scratch/pane.png" 2>/dev/null || continue
+  # A pane without text is small as a file: not worth reading yet.
+  [[ $(stat -c %s "$scratch/pane.png") -gt 30000 ]] || continue
+  tesseract "$scratch/pane.png" "$scratch/pane" --psm 6 >/dev/null 2>&1
+  if grep -q 'Summary of classes' "$scratch/pane.txt"; then
+    cat "$scratch/pane.txt"
+    exit 0
+  fi
+done
+echo "RawLogViewer shows no summary"
+exit 1

@@ -1,0 +1,204 @@
+// check: what is in a log and what is wrong with it.
+#include <gtest/gtest.h>
+#include <mrpt/obs/CObservation2DRangeScan.h>
+
+#include <nlohmann/json.hpp>
+
+#include "dynemo/core/error.h"
+#include "dynemo/prep/inspection.h"
+#include "generated_rawlog.h"
+
+namespace dynemo::test {
+namespace {
+
+class Check : public ::testing::Test {
+ protected:
+  Inspection inspect() { return inspectRawlog(log, params); }
+  static const SensorInspection& sensor(const Inspection& inspection, const std::string& label) {
+    for (const auto& s : inspection.sensors)
+      if (s.label == label) return s;
+    throw std::out_of_range(label);
+  }
+  /// The finding whose text contains the words, with its severity; fails when there is none.
+  static Finding finding(const Inspection& inspection, const std::string& words) {
+    for (const Finding& f : inspection.findings)
+      if (f.what.find(words) != std::string::npos) return f;
+    ADD_FAILURE() << "no finding about '" << words << "' in\n" << inspectionText(inspection);
+    return {};
+  }
+  static bool hasFinding(const Inspection& inspection, const std::string& words) {
+    for (const Finding& f : inspection.findings)
+      if (f.what.find(words) != std::string::npos) return true;
+    return false;
+  }
+  TemporaryFolder folder;
+  fs::path log = folder / "log.rawlog";
+  InspectionParams params;
+};
+
+TEST_F(Check, CountsRatesAndCalibration) {
+  writeLog(log, {});
+  const auto inspection = inspect();
+  EXPECT_TRUE(inspection.runnable());
+  EXPECT_EQ(inspection.frames, 51U);
+  ASSERT_EQ(inspection.sensors.size(), 3U);
+  const auto& lidar = sensor(inspection, "lidar");
+  EXPECT_EQ(lidar.class_name, "CObservationPointCloud");
+  EXPECT_EQ(lidar.use, UseOfSensor::kScan);
+  EXPECT_EQ(lidar.count, 51U);
+  EXPECT_NEAR(lidar.rate_hz(), 10.0, 1e-6);
+  EXPECT_EQ(lidar.gaps, 0U);
+  EXPECT_EQ(lidar.scan->min_points, 100U);
+  EXPECT_EQ(lidar.scan->max_points, 100U);
+  EXPECT_LT(local(*lidar.T_base_sensor, kBaseFromLidar).norm(), 1e-6);
+  const auto& camera = sensor(inspection, "camera");
+  EXPECT_EQ(camera.camera->width, 64);
+  EXPECT_EQ(camera.camera->fx, 60.0);
+  EXPECT_EQ(camera.camera->embedded, 51U);
+  EXPECT_EQ(sensor(inspection, "odom3d").use, UseOfSensor::kOdometry);
+  EXPECT_NEAR(sensor(inspection, "odom3d").rate_hz(), 20.0, 1e-6);
+  EXPECT_EQ(inspection.first, at(0.0));
+  EXPECT_EQ(inspection.last, at(5.0));
+}
+
+TEST_F(Check, ALogWithoutAnythingUsableCannotRun) {
+  {
+    RawlogWriter out(log);
+    mrpt::obs::CObservation2DRangeScan scan;
+    scan.timestamp = mrptTime(0);
+    scan.sensorLabel = "laser";
+    out.write(scan);
+  }
+  const auto inspection = inspect();
+  EXPECT_FALSE(inspection.runnable());
+  EXPECT_EQ(inspection.findings.front().severity, Severity::kError);
+  EXPECT_FALSE(inspection.findings.front().fix.empty());
+  EXPECT_EQ(sensor(inspection, "laser").use, UseOfSensor::kNotUsed);
+}
+
+TEST_F(Check, SeveralLidarsMustBeChosenFrom) {
+  {
+    RawlogWriter out(log);
+    for (int i = 0; i < 30; ++i) {
+      out.write(cloudObservation(0.1 * i, 10, "front"));
+      out.write(cloudObservation(0.1 * i, 10, "rear"));
+    }
+  }
+  auto inspection = inspect();
+  EXPECT_FALSE(inspection.runnable());
+  EXPECT_EQ(finding(inspection, "sensors.lidar.label").severity, Severity::kError);
+  params.sensors.lidar.label = "front";
+  inspection = inspect();
+  EXPECT_TRUE(inspection.runnable());
+  EXPECT_EQ(inspection.frames, 30U);
+}
+
+TEST_F(Check, GapsAndJumpsAreFoundWhereTheyAre) {
+  {
+    RawlogWriter out(log);
+    for (int i = 0; i < 100; ++i)
+      if (i < 40 || i >= 60) out.write(cloudObservation(0.1 * i, 10));
+    for (int i = 0; i < 20; ++i) out.write(cloudObservation(5.0 + 0.1 * i, 10));
+  }
+  const auto inspection = inspect();
+  const auto& lidar = sensor(inspection, "lidar");
+  EXPECT_EQ(lidar.gaps, 1U);
+  EXPECT_NEAR(lidar.longest_gap_s, 2.1, 1e-6);
+  EXPECT_EQ(lidar.longest_gap_at, at(3.9));
+  EXPECT_EQ(lidar.jumps_back, 1U);
+  finding(inspection, "1 gaps, the longest of 2.10 s");
+  finding(inspection, "stamps jump back 1 times");
+}
+
+TEST_F(Check, AnotherClockIsFound) {
+  {
+    RawlogWriter out(log);
+    for (int i = 0; i < 50; ++i) {
+      out.write(cloudObservation(0.1 * i, 10));
+      out.write(imageObservation(0.1 * i + 0.01 + 1000.0));
+      out.write(poseObservation(0.1 * i));
+    }
+  }
+  const auto inspection = inspect();
+  EXPECT_TRUE(sensor(inspection, "camera").other_clock);
+  EXPECT_NEAR(sensor(inspection, "camera").clock_offset_s, 1000.01, 1e-3);
+  EXPECT_FALSE(sensor(inspection, "odom3d").other_clock);
+  EXPECT_FALSE(inspection.runnable());
+  EXPECT_NE(finding(inspection, "clock of its own").fix.find("-1000.01"), std::string::npos);
+}
+
+TEST_F(Check, CalibrationAndMountingAreMissed) {
+  {
+    RawlogWriter out(log);
+    for (int i = 0; i < 20; ++i) {
+      auto o = imageObservation(0.1 * i);
+      o.cameraParams = {};
+      o.cameraPose = {};
+      out.write(o);
+    }
+  }
+  const auto inspection = inspect();
+  EXPECT_NE(finding(inspection, "no calibration").fix.find("set-calibration --label camera"),
+            std::string::npos);
+  EXPECT_NE(finding(inspection, "looks straight up").fix.find("set-extrinsics"),
+            std::string::npos);
+}
+
+TEST_F(Check, MissingImageFilesAreCounted) {
+  {
+    RawlogWriter out(log);
+    for (int i = 0; i < 20; ++i) {
+      auto o = imageObservation(0.1 * i);
+      o.image.setExternalStorage("nowhere" + std::to_string(i) + ".png");
+      out.write(o);
+      out.write(cloudObservation(0.1 * i));
+    }
+  }
+  const auto inspection = inspect();
+  EXPECT_EQ(sensor(inspection, "camera").camera->external_missing, 20U);
+  EXPECT_NE(finding(inspection, "20 of 20 image files are missing").fix.find("log_Images"),
+            std::string::npos);
+}
+
+TEST_F(Check, ImagesInsideAGoodLogGiveNoFalseAlarms) {
+  writeLog(log, {});
+  const auto inspection = inspect();
+  for (const char* words : {"gap", "jump", "clock", "calibration", "missing", "damaged", "null"})
+    EXPECT_FALSE(hasFinding(inspection, words)) << words << "\n" << inspectionText(inspection);
+}
+
+TEST_F(Check, DamageIsAFindingAndTheRestIsInspected) {
+  writeLog(log, {});
+  const std::string bytes = readBytes(log);
+  writeFile(log, bytes.substr(0, bytes.size() / 2));
+  const auto inspection = inspect();
+  EXPECT_TRUE(inspection.runnable());
+  finding(inspection, "the file is damaged");
+  EXPECT_GT(sensor(inspection, "lidar").count, 20U);
+}
+
+TEST_F(Check, AFileThatIsNoRawlogIsAnError) {
+  EXPECT_THROW(inspect(), DataError);
+  writeFile(log, "");
+  EXPECT_THROW(inspect(), DataError);
+  writeFile(log, "this is no rawlog at all");
+  EXPECT_FALSE(inspect().runnable());
+}
+
+TEST_F(Check, TextAndJsonTellTheSame) {
+  writeLog(log, {});
+  const auto inspection = inspect();
+  const std::string text = inspectionText(inspection);
+  for (const char* word : {"lidar", "CObservationPointCloud", "dynemo-slam can run it: 51 frames"})
+    EXPECT_NE(text.find(word), std::string::npos) << word << "\n" << text;
+  const auto json = nlohmann::json::parse(inspectionJson(inspection));
+  EXPECT_EQ(json["runnable"], true);
+  EXPECT_EQ(json["frames"], 51);
+  ASSERT_EQ(json["sensors"].size(), 3U);
+  EXPECT_EQ(json["sensors"][1]["label"], "lidar");
+  EXPECT_EQ(json["sensors"][1]["scan"]["mean_points"], 100.0);
+  EXPECT_EQ(json["findings"].size(), inspection.findings.size());
+}
+
+}  // namespace
+}  // namespace dynemo::test
