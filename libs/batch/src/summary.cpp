@@ -67,7 +67,7 @@ std::vector<std::string> evaluation(const WorkItem& item, const fs::path& folder
     if (report.odometry) cells[1] = fixed(report.odometry->ate_m.rmse, 4);
     cells[2] = fixed(report.trajectory.per_meter.translation_m.rmse, 4);
     cells[3] = fixed(report.trajectory.per_meter.rotation_rad.rmse * kDeg, 3);
-    if (!report.entities) return cells;
+    if (!report.entities || report.entities->errors.nodes.empty()) return cells;
     cells[4] = fixed(finalErrors(report.entities->errors, SemanticClass::kObject).translation_m.rmse, 4);
     cells[5] = fixed(finalErrors(report.entities->errors, SemanticClass::kAgent).translation_m.rmse, 4);
     cells[6] = fixed(report.entities->changes.by_object.precision(), 3);

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <numbers>
 
@@ -27,9 +29,24 @@ std::string poseText(const Pose3& T) {
                 a.x(), a.y(), a.z());
 }
 
-std::string sensorRow(const SensorInspection& s) {
-  std::string row = format("%-14s %-24s %-10s %8llu", named(s.label).c_str(), s.class_name.c_str(),
-                           useText(s.use), static_cast<unsigned long long>(s.count));
+/// Widths of the columns whose content is not ours.
+struct Widths {
+  int label = 14, class_name = 24;
+};
+
+Widths widths(const Inspection& log) {
+  Widths w;
+  for (const SensorInspection& s : log.sensors) {
+    w.label = std::max(w.label, static_cast<int>(named(s.label).size()));
+    w.class_name = std::max(w.class_name, static_cast<int>(s.class_name.size()));
+  }
+  return w;
+}
+
+std::string sensorRow(const SensorInspection& s, const Widths& w) {
+  std::string row =
+      format("%-*s %-*s %-10s %8llu", w.label, named(s.label).c_str(), w.class_name,
+             s.class_name.c_str(), useText(s.use), static_cast<unsigned long long>(s.count));
   row += s.first ? format(" %9.2f %9.1f", s.rate_hz(), s.duration_s()) : "         -         -";
   row += format(" %5llu %8.2f %6llu", static_cast<unsigned long long>(s.gaps), s.longest_gap_s,
                 static_cast<unsigned long long>(s.jumps_back));
@@ -37,10 +54,10 @@ std::string sensorRow(const SensorInspection& s) {
   return row + "\n";
 }
 
-std::string sensorDetails(const SensorInspection& s) {
+std::string sensorDetails(const SensorInspection& s, const Widths& w) {
   if (s.use == UseOfSensor::kNotUsed) return {};
   std::string text;
-  const std::string lead = format("%-14s ", named(s.label).c_str());
+  const std::string lead = format("%-*s ", w.label, named(s.label).c_str());
   if (s.use != UseOfSensor::kOdometry && s.T_base_sensor)
     text += lead + "mounted at " + poseText(*s.T_base_sensor) + "\n";
   if (s.scan && s.count > 0)
@@ -97,15 +114,17 @@ std::string inspectionText(const Inspection& log) {
   if (log.first)
     text += format(", %.1f s from %s", secondsBetween(*log.first, *log.last),
                    log.first->text().c_str());
-  text += "\n\n" + format("%-14s %-24s %-10s %8s %9s %9s %5s %8s %6s\n", "Sensor", "Class", "Use",
-                          "Count", "Rate [Hz]", "Length[s]", "Gaps", "Max [s]", "Jumps");
-  for (const SensorInspection& s : log.sensors) text += sensorRow(s);
+  const Widths w = widths(log);
+  text += "\n\n" + format("%-*s %-*s %-10s %8s %9s %9s %5s %8s %6s\n", w.label, "Sensor",
+                          w.class_name, "Class", "Use", "Count", "Rate [Hz]", "Length[s]", "Gaps",
+                          "Max [s]", "Jumps");
+  for (const SensorInspection& s : log.sensors) text += sensorRow(s, w);
   for (const auto& [name, count] : log.other_objects)
-    text += format("%-14s %-24s %-10s %8llu\n", "-", name.c_str(),
+    text += format("%-*s %-*s %-10s %8llu\n", w.label, "-", w.class_name, name.c_str(),
                    name == "CActionCollection" ? "odometry" : "not used",
                    static_cast<unsigned long long>(count));
   text += "\n";
-  for (const SensorInspection& s : log.sensors) text += sensorDetails(s);
+  for (const SensorInspection& s : log.sensors) text += sensorDetails(s, w);
   text += tagsText(log) + findingsText(log) + "\n";
   text += log.runnable()
               ? format("dynemo-slam can run it: %llu frames.\n",

@@ -13,6 +13,12 @@ std::string fixed(double value, int digits) {
   return text;
 }
 
+std::string shortest(double value) {
+  char text[48];
+  std::snprintf(text, sizeof(text), "%.3g", value);
+  return text;
+}
+
 std::string quoted(const SensorInspection& s) {
   return (s.label.empty() ? std::string("(no label)") : "'" + s.label + "'") + " (" + s.class_name +
          ")";
@@ -55,6 +61,11 @@ class Judge {
                          [use](const SensorInspection& s) { return s.use == use; });
   }
   bool has(UseOfSensor use) const { return sensorsOf(use) > 0; }
+  /// Depth cameras come with images too.
+  bool hasImages() const {
+    return std::any_of(log_.sensors.begin(), log_.sensors.end(),
+                       [](const SensorInspection& s) { return s.camera.has_value(); });
+  }
   std::string name() const { return log_.rawlog.filename().string(); }
 
   const InspectionParams& params_;
@@ -92,13 +103,12 @@ void Judge::stamps(const SensorInspection& s) {
               "when the robot stood still or moved evenly"
             : "check the recording; dynemo-prep trim keeps the part without gaps");
   if (s.other_clock)
-    add(s.use == UseOfSensor::kOdometry && sensorsOf(UseOfSensor::kOdometry) > 1
-            ? Severity::kWarning
-            : Severity::kError,
+    add(s.use == UseOfSensor::kOdometry ? Severity::kWarning : Severity::kError,
         quoted(s) + ": its stamps differ by " + fixed(s.clock_offset_s, 3) +
             " s from those of the other sensors: it has a clock of its own",
         "rawlog-edit --keep-label and --remap-timestamps \"1;" + fixed(-s.clock_offset_s, 3) +
-            "\", then dynemo-prep merge; better: synchronise the clocks and record again");
+            "\", then dynemo-prep merge; better: synchronise the clocks and record again" +
+            (s.use == UseOfSensor::kOdometry ? "; or do without: --set odometry.source=lidar" : ""));
 }
 
 void Judge::mounting(const SensorInspection& s) {
@@ -115,7 +125,7 @@ void Judge::mounting(const SensorInspection& s) {
     add(Severity::kWarning,
         quoted(s) + ": sits in the robot's origin and looks straight up, so its pose was hardly set",
         fix);
-  else if (at_origin && s.use == UseOfSensor::kScan && has(UseOfSensor::kImage))
+  else if (at_origin && s.use == UseOfSensor::kScan && hasImages())
     add(Severity::kHint, quoted(s) + ": sits in the robot's origin; is that so?", fix);
   if (s.pose_changes > 0)
     add(Severity::kHint,
@@ -142,7 +152,7 @@ void Judge::scan(const ScanInspection& scan, const SensorInspection& s) {
     add(Severity::kHint,
         quoted(s) + ": no time per point, so the motion during a sweep is not taken out",
         "when it is a spinning LiDAR, add --set sensors.lidar.sweep_rate_hz=" +
-            fixed(s.rate_hz(), 0) + " (and sweep_start_deg, sweep_clockwise)");
+            shortest(s.rate_hz()) + " (and sweep_start_deg, sweep_clockwise)");
   if (s.class_name == "CObservationRotatingScan" && params_.sensors.lidar.elevations_deg.empty())
     add(Severity::kWarning, quoted(s) + ": this class does not store the elevation of its beams",
         "--set \"sensors.lidar.elevations_deg=[…]\" with one angle for each row");
@@ -154,7 +164,7 @@ void Judge::scan(const ScanInspection& scan, const SensorInspection& s) {
 void Judge::roles() {
   if (!log_.runnable()) return;
   const bool detections = has(UseOfSensor::kDetections);
-  if (!has(UseOfSensor::kImage) && !detections)
+  if (!hasImages() && !detections)
     add(Severity::kWarning, "neither images nor entity detections: the map will hold no entities",
         "record a camera, or give detections of another program with --detections FILE.csv");
   if (!has(UseOfSensor::kScan))
@@ -164,7 +174,7 @@ void Judge::roles() {
         has(UseOfSensor::kScan) ? "no odometry: dynemo-slam estimates it from the scans"
                                 : "no odometry: the robot is located by the entities in view only",
         "");
-  if (has(UseOfSensor::kImage) && detections)
+  if (hasImages() && detections)
     add(Severity::kHint,
         "the log holds entity detections beside the images, so entities that both show are "
         "detected twice",

@@ -17,7 +17,8 @@ struct Source {
   std::optional<RawlogPiece> head;
   /// When the head is due; a piece without a stamp follows the one before it.
   Stamp due{};
-  std::set<std::string> sensors;
+  /// First and last stamp of each sensor.
+  std::map<std::string, std::pair<Stamp, Stamp>> sensors;
 
   void advance(RewriteReport& report) {
     head = reader.next();
@@ -29,20 +30,25 @@ struct Source {
     // Out of order within an input stays so.
     if (head->stamp) due = std::max(due, *head->stamp);
     forEachObservation(*head, [&](mrpt::obs::CObservation& o) {
-      sensors.insert("'" + o.sensorLabel + "' (" + shortClassName(o) + ")");
+      const std::string name = "'" + o.sensorLabel + "' (" + shortClassName(o) + ")";
+      sensors.try_emplace(name, due, due).first->second.second = due;
     });
   }
 };
 
+/// Parts of one recording follow each other; the same sensor twice at a time is two sensors.
 void warnOfSharedSensors(const std::vector<std::unique_ptr<Source>>& sources,
                          WarningCounter& warnings) {
-  std::map<std::string, int> inputs_with;
-  for (const auto& source : sources)
-    for (const std::string& sensor : source->sensors) ++inputs_with[sensor];
-  for (const auto& [sensor, count] : inputs_with)
-    if (count > 1)
-      warnings.count("sensor " + sensor + " comes from several inputs, which is right only when " +
-                     "it is the same one (else relabel it first)");
+  for (std::size_t a = 0; a < sources.size(); ++a)
+    for (std::size_t b = a + 1; b < sources.size(); ++b)
+      for (const auto& [sensor, times] : sources[a]->sensors) {
+        const auto other = sources[b]->sensors.find(sensor);
+        if (other == sources[b]->sensors.end() || other->second.first > times.second ||
+            other->second.second < times.first)
+          continue;
+        warnings.count("sensor " + sensor + " comes from several inputs at the same time: relabel " +
+                       "one, unless it is the same sensor");
+      }
 }
 
 }  // namespace

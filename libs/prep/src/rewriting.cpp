@@ -24,8 +24,9 @@ RewriteReport rewriteObservations(const fs::path& input, const fs::path& output,
   PieceReader reader(input, warnings);
   RawlogOutput out(output, options.compressed.value_or(reader.compressed()), options.images);
   const auto counting_edit = [&](mrpt::obs::CObservation& o) {
+    const std::string label = o.sensorLabel;  // which the edit may change
     const EditResult result = edit(o);
-    if (result == EditResult::kEdited) ++report.edited[o.sensorLabel];
+    if (result == EditResult::kEdited) ++report.edited[label];
     return result;
   };
   rewrite(

@@ -104,7 +104,9 @@ TEST_F(Cut, DecimateThinsPoints) {
   decimateRawlog(input, output, {.labels = {}, .keep_every = 1, .keep_points_every = 3}, {});
   for (const auto& o : readLog(output)) {
     const auto* cloud = dynamic_cast<mrpt::obs::CObservationPointCloud*>(o.object.get());
-    if (cloud) EXPECT_EQ(cloud->pointcloud->size(), 34U);
+    if (cloud) {
+      EXPECT_EQ(cloud->pointcloud->size(), 34U);
+    }
   }
 }
 
@@ -138,6 +140,10 @@ TEST_F(Cut, MergeWarnsOfSensorsWithTheSameName) {
   const auto report = mergeRawlogs({input, input}, output, {});
   EXPECT_EQ(report.warnings.size(), 3U);
   EXPECT_NE(report.warnings.begin()->first.find("several inputs"), std::string::npos);
+  // Parts of one recording are no reason to warn.
+  const auto parts = splitRawlog(input, folder / "part.rawlog", 2.5, {});
+  EXPECT_TRUE(mergeRawlogs(parts.files, folder / "whole.rawlog", {}).warnings.empty());
+  EXPECT_EQ(readBytes(folder / "whole.rawlog"), readBytes(input));
 }
 
 TEST_F(Cut, MergeRefusesActionsAndFrames) {

@@ -3,6 +3,8 @@
 #include <mrpt/obs/CObservationImage.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
+#include <opencv2/core.hpp>
+
 #include "dynemo/core/error.h"
 #include "dynemo/core/mrpt_conversions.h"
 #include "dynemo/prep/rewrite.h"
