@@ -54,7 +54,7 @@ void declare(CLI::App& app, Options& o) {
                  "Entity file for all rawlogs; else NAME_entities.yaml beside each")
       ->type_name("FILE");
   app.add_option("-j,--jobs", o.jobs, "Runs at a time")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Validator(CLI::PositiveNumber).description(""))
       ->type_name("N")
       ->capture_default_str();
   app.add_flag("--dry-run", o.dry_run, "List the runs and their states, and exit");

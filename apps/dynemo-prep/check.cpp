@@ -78,7 +78,7 @@ void declareCheck(CLI::App& program, std::vector<Command>& commands) {
   declareSurvey(*command, *o);
   command->add_flag("--json", o->json, "For programs");
   command->add_option("--tag-images", o->tag_images, "Images of each camera searched for tags")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::Validator(CLI::NonNegativeNumber).description(""))
       ->type_name("N")
       ->capture_default_str();
   commands.push_back({command, [o] { return check(*o, o->tag_images, o->json); }});
@@ -95,10 +95,10 @@ void declareTags(CLI::App& program, std::vector<Command>& commands) {
       program.add_subcommand("tags", "Find the tags and draft an entity file that can be edited");
   declareSurvey(*command, *o);
   command->add_option("--size", o->size_m, "Side of the black squares; else measured by the LiDAR")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Validator(CLI::PositiveNumber).description(""))
       ->type_name("METRES");
   command->add_option("--min-sightings", o->min_sightings, "Leave out tags seen less often")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Validator(CLI::PositiveNumber).description(""))
       ->type_name("N")
       ->capture_default_str();
   command->add_option("-o,--output", o->output, "Entity file to write; must not exist")

@@ -29,7 +29,7 @@ void declareSplit(CLI::App& program, std::vector<Command>& commands) {
   };
   auto o = std::make_shared<Options>();
   auto* command = program.add_subcommand(
-      "split", "Cut into parts of equal duration: FILE_01.rawlog, FILE_02.rawlog, …");
+      "split", "Cut into parts of equal duration: FILE_01.rawlog, FILE_02.rawlog, ...");
   declareRewrite(*command, *o);
   command->add_option("--every", o->duration_s, "Duration of a part")
       ->required()

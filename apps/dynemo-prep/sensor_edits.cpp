@@ -133,7 +133,7 @@ void declareRelabel(CLI::App& program, std::vector<Command>& commands) {
   declareRewrite(*command, *o);
   command
       ->add_option("--label", o->labels,
-                   "OLD=NEW, or CObservation…:OLD=NEW for one class only (repeatable)")
+                   "OLD=NEW, or CLASS:OLD=NEW for one class only (repeatable)")
       ->required()
       ->type_name("OLD=NEW")
       ->allow_extra_args(false);
@@ -161,7 +161,7 @@ void declareExternalizeImages(CLI::App& program, std::vector<Command>& commands)
           {"png", ImageFormat::kPng}, {"jpg", ImageFormat::kJpeg}}))
       ->type_name("FORMAT");
   command->add_option("--quality", o->quality, "Of jpg files")
-      ->check(CLI::Range(1, 100))
+      ->check(CLI::Validator(CLI::Range(1, 100)).description(""))
       ->type_name("1..100");
   commands.push_back({command, [o] {
                         return printReport(externalizeImages(o->input, o->output, o->format,

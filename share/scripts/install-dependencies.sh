@@ -36,7 +36,7 @@ run_time_tools=(gnuplot-nox) # figures of dynemo-ablation
 test_libraries=(libgtest-dev libbenchmark-dev libceres-dev)
 # Programs of others that tests look through; tests that lack theirs are skipped.
 test_programs=(
-  mrpt-apps xvfb xdotool imagemagick # RawLogViewer's window
+  mrpt-apps xvfb xdotool imagemagick tesseract-ocr tesseract-ocr-eng # RawLogViewer's window
   slurmctld slurmd slurm-client munge # dynemo-batch --slurm
 )
 packages=("${build_tools[@]}" "${packaging_tools[@]}" "${libraries[@]}" "${run_time_tools[@]}" "${test_libraries[@]}"
