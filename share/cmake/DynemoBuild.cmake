@@ -54,14 +54,36 @@ function(dynemo_add_library name)
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
-# dynemo_add_program(NAME SOURCES ... DEPENDS ...): an installed command, with a manual page and completion made from its
-# --help (DynemoPrograms.cmake).
+find_program(HELP2MAN help2man)
+find_program(GZIP gzip)
+if(NOT HELP2MAN OR NOT GZIP)
+  message(STATUS "help2man or gzip not found: no manual pages")
+endif()
+
+# The manual page of a program, made of what it says of itself.
+function(dynemo_add_manual program)
+  set(script ${PROJECT_SOURCE_DIR}/share/cmake/DynemoManual.cmake)
+  set(manual ${CMAKE_BINARY_DIR}/share/man/man1/${program}.1.gz)
+  add_custom_command(OUTPUT ${manual}
+    COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:${program}> -DMANUAL=${manual} -DVERSION=${PROJECT_VERSION}
+      -DHELP2MAN=${HELP2MAN} -DGZIP=${GZIP} -P ${script}
+    DEPENDS ${program} ${script}
+    COMMENT "Manual page of ${program}" VERBATIM)
+  add_custom_target(manual_${program} ALL DEPENDS ${manual})
+  install(FILES ${manual} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs)
+endfunction()
+
+# dynemo_add_program(NAME SOURCES ... DEPENDS ...): an installed command, with a manual page, and completion
+# (DynemoPrograms.cmake).
 function(dynemo_add_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
   install(TARGETS ${name} COMPONENT programs)
   set_property(GLOBAL APPEND PROPERTY DYNEMO_PROGRAMS ${name})
+  if(HELP2MAN AND GZIP)
+    dynemo_add_manual(${name})
+  endif()
 endfunction()
 
 # dynemo_add_test(NAME SOURCES ... DEPENDS ... [TIMEOUT s]): a GoogleTest program, one CTest test.

@@ -1,4 +1,4 @@
-# One manual page; see DynemoPrograms.cmake for the variables. The help of each command of a program follows as it stands.
+# One manual page; see DynemoBuild.cmake for the variables. The help of each command of a program follows as it stands.
 execute_process(COMMAND ${PROGRAM} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
 # The first sentence says what the program is.
 string(REGEX MATCH "^[^\n]*" summary "${help}")
