@@ -11,7 +11,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::int64_t kMostParts = 999;
+/// All parts are open at a time.
+constexpr std::int64_t kMostParts = 500;
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 

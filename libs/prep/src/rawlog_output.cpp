@@ -25,7 +25,7 @@ class RawlogOutput::Stream : public mrpt::io::CStream {
     // "T" writes without compression.
     handle_ = gzopen(file.c_str(), compressed ? "wb1" : "wbT");
     if (handle_ == nullptr) throw DataError(file.string() + ": cannot be created");
-    gzbuffer(handle_, 1 << 18);
+    gzbuffer(handle_, 1 << 16);
   }
   ~Stream() override {
     if (handle_ != nullptr) gzclose(handle_);

@@ -47,7 +47,7 @@ RewriteReport trimRawlog(const std::filesystem::path& input, const std::filesyst
                          const TimeRange& range, const RewriteOptions& options);
 
 /// Parts of `duration_s` each: STEM_01.rawlog, STEM_02.rawlog, … for an output STEM.rawlog. Parts
-/// without an observation are left out. Throws ConfigError when there would be more than 999.
+/// without an observation are left out. Throws ConfigError when there would be more than 500.
 RewriteReport splitRawlog(const std::filesystem::path& input, const std::filesystem::path& output,
                           double duration_s, const RewriteOptions& options);
 
