@@ -39,7 +39,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("RAWLOGS", o.rawlogs,
                  "Rawlogs, patterns such as 'data/*/*.rawlog', or @FILE with one of them per line")
       ->type_name("");
-  app.add_option("--work", o.work, "Folder for the runs and the summary; a second call continues it")
+  app.add_option("--work", o.work,
+                 "Folder for the runs and the summary; a second call continues it")
       ->required()
       ->type_name("DIR");
   app.add_option("--setup", o.plan.setups,
@@ -102,8 +103,9 @@ class BatchDisplay {
     if (quiet_ || (!terminal_ && percent < printed_percent_ + 10)) return;
     printed_percent_ = percent;
     char line[160];
-    std::snprintf(line, sizeof(line), "%3d %%  %zu of %zu done, %zu failed, %zu running  ETA %.0f s",
-                  percent, p.done, p.total, p.failed, p.running, p.remaining_s);
+    std::snprintf(line, sizeof(line),
+                  "%3d %%  %zu of %zu done, %zu failed, %zu running  ETA %.0f s", percent, p.done,
+                  p.total, p.failed, p.running, p.remaining_s);
     std::cerr << (terminal_ ? "\r" : "") << line << (terminal_ ? "\033[K" : "\n") << std::flush;
     drawn_ = terminal_;
   }

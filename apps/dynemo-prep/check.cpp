@@ -25,8 +25,7 @@ void declareSurvey(CLI::App& command, SurveyArguments& o) {
   command.add_option("RAWLOG", o.rawlog, "MRPT rawlog to read")->required()->type_name("");
   command.add_option("--family", o.family, "Tag family")->type_name("NAME")->capture_default_str();
   command.add_option("--config", o.config.file, "Configuration of dynemo-slam")->type_name("FILE");
-  command
-      .add_option("--set", o.config.overrides, "One key of it, e.g. sensors.lidar.label=top")
+  command.add_option("--set", o.config.overrides, "One key of it, e.g. sensors.lidar.label=top")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
 }
@@ -51,12 +50,14 @@ int check(const SurveyArguments& o, int tag_images, bool json) {
 int surveyTags(const SurveyArguments& o, std::optional<double> size_m, int min_sightings,
                const fs::path& output) {
   const DynemoParams config = loadParams(o.config);
-  if (fs::exists(output)) throw DataError(output.string() + ": exists already and is not overwritten");
+  if (fs::exists(output))
+    throw DataError(output.string() + ": exists already and is not overwritten");
   const TagSurveyParams params{o.family, config.perception.tag_finder, size_m};
   TagSurvey survey(params);
   const auto source = makeRawlogSource(config.sensors, o.rawlog);
   while (const auto frame = source->next()) survey.add(*frame);
-  if (survey.imagesSearched() == 0) throw DataError(o.rawlog.string() + ": holds no image that can be used");
+  if (survey.imagesSearched() == 0)
+    throw DataError(o.rawlog.string() + ": holds no image that can be used");
   const std::string draft =
       entityFileDraft(survey, params, min_sightings, o.rawlog.filename().string());
   writeFileAtomically(output, draft);
@@ -104,9 +105,8 @@ void declareTags(CLI::App& program, std::vector<Command>& commands) {
   command->add_option("-o,--output", o->output, "Entity file to write; must not exist")
       ->required()
       ->type_name("FILE.yaml");
-  commands.push_back({command, [o] {
-                        return surveyTags(*o, o->size_m, o->min_sightings, o->output);
-                      }});
+  commands.push_back(
+      {command, [o] { return surveyTags(*o, o->size_m, o->min_sightings, o->output); }});
 }
 
 }  // namespace dynemo

@@ -28,8 +28,7 @@ int finishOutput() {
 
 void declareConfig(CLI::App& command, ConfigLayers& config) {
   command.add_option("--config", config.file, "Configuration of dynemo-slam")->type_name("FILE");
-  command
-      .add_option("--set", config.overrides, "One key of it, e.g. sensors.lidar.label=top")
+  command.add_option("--set", config.overrides, "One key of it, e.g. sensors.lidar.label=top")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
 }
@@ -80,17 +79,16 @@ void declareAnnotate(CLI::App& program, std::vector<Command>& commands) {
   command->add_option("--entities", o->entities, "Entity file")->required()->type_name("FILE");
   command->add_flag("--drop-images", o->drop_images, "Leave the images out of the copy");
   declareConfig(*command, o->config);
-  commands.push_back(
-      {command, [o] {
-         const DynemoParams config = loadParams(o->config);
-         const EntityModels models = EntityModels::load(o->entities);
-         const auto report =
-             annotateRawlog(o->input, o->output, models,
+  commands.push_back({command, [o] {
+                        const DynemoParams config = loadParams(o->config);
+                        const EntityModels models = EntityModels::load(o->entities);
+                        const auto report = annotateRawlog(
+                            o->input, o->output, models,
                             {config.sensors, config.perception, o->drop_images}, o->options());
-         std::cout << "images      " << report.images << " searched\ndetections  "
-                   << report.detections << '\n';
-         return printReport(report);
-       }});
+                        std::cout << "images      " << report.images << " searched\ndetections  "
+                                  << report.detections << '\n';
+                        return printReport(report);
+                      }});
 }
 
 void declareImport(CLI::App& program, std::vector<Command>& commands) {
@@ -133,15 +131,15 @@ void declareExport(CLI::App& program, std::vector<Command>& commands) {
       ->required()
       ->type_name("DIR");
   declareConfig(*command, o->config);
-  commands.push_back(
-      {command, [o] {
-         const auto report = exportKitti(o->rawlog, o->output, loadParams(o->config).sensors);
-         std::cout << "clouds      " << report.clouds << "\nimages      " << report.images
-                   << "\nposes       " << report.poses << "\nfolder      " << o->output.string()
-                   << '\n';
-         printWarnings(report.warnings);
-         return finishOutput();
-       }});
+  commands.push_back({command, [o] {
+                        const auto report =
+                            exportKitti(o->rawlog, o->output, loadParams(o->config).sensors);
+                        std::cout << "clouds      " << report.clouds << "\nimages      "
+                                  << report.images << "\nposes       " << report.poses
+                                  << "\nfolder      " << o->output.string() << '\n';
+                        printWarnings(report.warnings);
+                        return finishOutput();
+                      }});
 }
 
 }  // namespace dynemo

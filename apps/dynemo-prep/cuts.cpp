@@ -18,8 +18,7 @@ void declareTrim(CLI::App& program, std::vector<Command>& commands) {
   command->add_flag("--unix", o->range.unix_time,
                     "The range is in UNIX time, not in seconds after the first observation");
   commands.push_back({command, [o] {
-                        return printReport(
-                            trimRawlog(o->input, o->output, o->range, o->options()));
+                        return printReport(trimRawlog(o->input, o->output, o->range, o->options()));
                       }});
 }
 
@@ -34,10 +33,9 @@ void declareSplit(CLI::App& program, std::vector<Command>& commands) {
   command->add_option("--every", o->duration_s, "Duration of a part")
       ->required()
       ->type_name("SECONDS");
-  commands.push_back({command, [o] {
-                        return printReport(
-                            splitRawlog(o->input, o->output, o->duration_s, o->options()));
-                      }});
+  commands.push_back(
+      {command,
+       [o] { return printReport(splitRawlog(o->input, o->output, o->duration_s, o->options())); }});
 }
 
 void declareDecimate(CLI::App& program, std::vector<Command>& commands) {
@@ -77,9 +75,8 @@ void declareMerge(CLI::App& program, std::vector<Command>& commands) {
       ->type_name("")
       ->expected(2, -1);
   declareOutput(*command, *o);
-  commands.push_back({command, [o] {
-                        return printReport(mergeRawlogs(o->inputs, o->output, o->options()));
-                      }});
+  commands.push_back(
+      {command, [o] { return printReport(mergeRawlogs(o->inputs, o->output, o->options())); }});
 }
 
 }  // namespace

@@ -45,8 +45,8 @@ void addSensor(const std::string& text, IngestParams& params) {
   auto row = numbers(text.substr(equals + 1), text);
   if (row.size() == 6) {
     constexpr double kRad = std::numbers::pi / 180.0;
-    const auto q = Pose3::fromYawPitchRoll(0, 0, 0, row[3] * kRad, row[4] * kRad, row[5] * kRad)
-                       .quaternion();
+    const auto q =
+        Pose3::fromYawPitchRoll(0, 0, 0, row[3] * kRad, row[4] * kRad, row[5] * kRad).quaternion();
     row = {row[0], row[1], row[2], q.x(), q.y(), q.z(), q.w()};
   }
   params.extrinsics[text.substr(0, equals)] = row;
@@ -71,21 +71,21 @@ void declareSetExtrinsics(CLI::App& program, std::vector<Command>& commands) {
       ->add_option("--file", o->file,
                    "YAML file with a table 'extrinsics:' of LABEL: [x, y, z, qx, qy, qz, qw]")
       ->type_name("FILE");
-  commands.push_back(
-      {command, [o] {
-         IngestParams params;
-         if (!o->file.empty()) {
-           ConfigLoader loader;
-           loader.addFile(o->file);
-           ExtrinsicsFile file;
-           load(loader, file);
-           params.extrinsics = file.extrinsics;
-         }
-         for (const std::string& sensor : o->sensors) addSensor(sensor, params);
-         if (params.extrinsics.empty()) throw ConfigError("--sensor or --file is required");
-         return printReport(
-             setExtrinsics(o->input, o->output, extrinsicsTable(params), o->options()));
-       }});
+  commands.push_back({command, [o] {
+                        IngestParams params;
+                        if (!o->file.empty()) {
+                          ConfigLoader loader;
+                          loader.addFile(o->file);
+                          ExtrinsicsFile file;
+                          load(loader, file);
+                          params.extrinsics = file.extrinsics;
+                        }
+                        for (const std::string& sensor : o->sensors) addSensor(sensor, params);
+                        if (params.extrinsics.empty())
+                          throw ConfigError("--sensor or --file is required");
+                        return printReport(setExtrinsics(o->input, o->output,
+                                                         extrinsicsTable(params), o->options()));
+                      }});
 }
 
 void declareSetCalibration(CLI::App& program, std::vector<Command>& commands) {
@@ -105,8 +105,8 @@ void declareSetCalibration(CLI::App& program, std::vector<Command>& commands) {
       ->required()
       ->type_name("FILE");
   commands.push_back({command, [o] {
-                        return printReport(setCalibration(
-                            o->input, o->output, o->label, readCalibration(o->file), o->options()));
+                        return printReport(setCalibration(o->input, o->output, o->label,
+                                                          readCalibration(o->file), o->options()));
                       }});
 }
 
@@ -155,8 +155,7 @@ void declareExternalizeImages(CLI::App& program, std::vector<Command>& commands)
   auto* command = program.add_subcommand("externalize-images",
                                          "Move images from inside the log to files beside it");
   declareRewrite(*command, *o);
-  command
-      ->add_option("--format", o->format, "png (lossless, the default) or jpg")
+  command->add_option("--format", o->format, "png (lossless, the default) or jpg")
       ->transform(CLI::CheckedTransformer(std::map<std::string, ImageFormat>{
           {"png", ImageFormat::kPng}, {"jpg", ImageFormat::kJpeg}}))
       ->type_name("FORMAT");

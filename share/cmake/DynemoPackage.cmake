@@ -23,7 +23,7 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME dynemo-slam)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS mrpt-apps)
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS "mrpt-apps, gnuplot-nox")
 set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION
   "Simultaneous localisation and mapping from MRPT rawlogs of LiDAR, camera and\nodometry in places with moving agents and objects, as a dynamic 3D scene graph.")
 

@@ -52,9 +52,14 @@ class BatchProgram : public ::testing::Test {
     }
   }
   std::vector<std::string> command(const std::string& work) const {
-    return {DYNEMO_BATCH, path("*.rawlog"), "--work",  work,        "--jobs", "2",
-            "--setup",    "baseline",      "--setup", "full",      "--setup", "fcs",
-            "--setup",    "only-kf-e",     "--set",   "outputs=[trajectory,keyframes,odometry,entities,g2o]"};
+    return {DYNEMO_BATCH, path("*.rawlog"),
+            "--work",     work,
+            "--jobs",     "2",
+            "--setup",    "baseline",
+            "--setup",    "full",
+            "--setup",    "fcs",
+            "--setup",    "only-kf-e",
+            "--set",      "outputs=[trajectory,keyframes,odometry,entities,g2o]"};
   }
   std::string path(const std::string& name) const { return (folder / name).string(); }
   const Dataset sample = bundledSample();
@@ -105,10 +110,11 @@ TEST_F(BatchProgram, UsageErrors) {
   EXPECT_EQ(runCommand({DYNEMO_BATCH}).status, 2);
   EXPECT_EQ(runCommand({DYNEMO_BATCH, "--work", path("w")}).status, 2);
   EXPECT_EQ(runCommand({DYNEMO_BATCH, "--work", path("w"), path("nope*.rawlog")}).status, 3);
-  EXPECT_EQ(runCommand({DYNEMO_BATCH, "--work", path("w"), path("first.rawlog"), "--no-wait"}).status,
-            2);
+  EXPECT_EQ(
+      runCommand({DYNEMO_BATCH, "--work", path("w"), path("first.rawlog"), "--no-wait"}).status, 2);
   EXPECT_EQ(runCommand({DYNEMO_BATCH, "--help"}).status, 0);
-  const Outcome dry = runCommand({DYNEMO_BATCH, "--work", path("w"), path("*.rawlog"), "--dry-run"});
+  const Outcome dry =
+      runCommand({DYNEMO_BATCH, "--work", path("w"), path("*.rawlog"), "--dry-run"});
   EXPECT_EQ(dry.status, 0);
   EXPECT_NE(dry.out.find("missing  second/default  dynemo-slam"), std::string::npos) << dry.out;
 }

@@ -46,12 +46,14 @@ TEST_F(Prep, CheckSaysWhetherItCanRun) {
   EXPECT_EQ(json["sensors"].size(), 4U);
   EXPECT_GT(json["tags"].size(), 10U);
 
-  ASSERT_EQ(prep({"relabel", rawlog, "-o", path("two.rawlog"), "--label", "odom3d=other"}).status, 0);
+  ASSERT_EQ(prep({"relabel", rawlog, "-o", path("two.rawlog"), "--label", "odom3d=other"}).status,
+            0);
   ASSERT_EQ(prep({"merge", path("two.rawlog"), rawlog, "-o", path("both.rawlog")}).status, 0);
   const Outcome open = prep({"check", path("both.rawlog")});
   EXPECT_EQ(open.status, 1) << describe(open);
   EXPECT_NE(open.out.find("sensors.odometry.label"), std::string::npos);
-  EXPECT_EQ(prep({"check", path("both.rawlog"), "--set", "sensors.odometry.label=odom3d"}).status, 0);
+  EXPECT_EQ(prep({"check", path("both.rawlog"), "--set", "sensors.odometry.label=odom3d"}).status,
+            0);
 }
 
 TEST_F(Prep, MissingAndWrongFilesAreOneErrorEach) {
@@ -84,11 +86,13 @@ TEST_F(Prep, AnAnnotatedLogGivesTheSameMapWithoutACamera) {
                                   path("annotated.rawlog")});
   ASSERT_EQ(annotated.status, 0) << describe(annotated);
   const auto summaryOf = [&](const std::string& log, const std::string& run) {
-    const Outcome slam = runCommand({DYNEMO_SLAM, "--entities", entities, "--output", path(run), log});
+    const Outcome slam =
+        runCommand({DYNEMO_SLAM, "--entities", entities, "--output", path(run), log});
     EXPECT_EQ(slam.status, 0) << describe(slam);
     return nlohmann::json::parse(readBytes(folder / run / "summary.json"));
   };
-  const auto seen = summaryOf(rawlog, "seen"), stored = summaryOf(path("annotated.rawlog"), "stored");
+  const auto seen = summaryOf(rawlog, "seen"),
+             stored = summaryOf(path("annotated.rawlog"), "stored");
   EXPECT_EQ(stored["keyframes"]["count"], seen["keyframes"]["count"]);
   ASSERT_EQ(stored["entities"].size(), seen["entities"].size());
   for (std::size_t i = 0; i < seen["entities"].size(); ++i) {

@@ -31,8 +31,8 @@ class Viewer : public ::testing::Test {
         runCommand({DYNEMO_SOURCE_DIR "/tests/end_to_end/rawlog_viewer_text.sh", rawlog});
     ASSERT_EQ(shown.status, 0) << describe(shown);
     for (const std::string& pattern : patterns)
-      EXPECT_TRUE(::testing::internal::RE::PartialMatch(shown.out, pattern))
-          << pattern << " in\n" << shown.out;
+      EXPECT_TRUE(::testing::internal::RE::PartialMatch(shown.out, pattern)) << pattern << " in\n"
+                                                                             << shown.out;
   }
   std::string path(const std::string& name) const { return (folder / name).string(); }
   const Dataset sample = bundledSample();
@@ -43,8 +43,8 @@ TEST_F(Viewer, ListsTheDetectionsOfAnAnnotatedLog) {
   make({"annotate", sample.rawlog().string(), "--entities", sample.entities().string(), "-o",
         path("annotated.rawlog")});
   expectShown(path("annotated.rawlog"),
-              {"131 .*CObservationPointCloud", "131 .*CObservationImage", "521 .*CObservationRobotPose",
-               "[0-9]+ .*CObservation.DFeatures"});
+              {"131 .*CObservationPointCloud", "131 .*CObservationImage",
+               "521 .*CObservationRobotPose", "[0-9]+ .*CObservation.DFeatures"});
 }
 
 TEST_F(Viewer, ListsWhatIsLeftOfATrimmedAndRelabelledLog) {

@@ -1,5 +1,5 @@
-// dynemo-batch --slurm against Debian's Slurm, whose daemons the test starts on this machine with a configuration of its
-// own.
+// dynemo-batch --slurm against Debian's Slurm, whose daemons the test starts on this machine with a
+// configuration of its own.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -17,8 +17,7 @@ namespace dynemo::test {
 namespace {
 
 std::string programPath(const std::string& name) {
-  const Outcome found =
-      runCommand({"sh", "-c", "PATH=$PATH:/usr/sbin:/sbin command -v " + name});
+  const Outcome found = runCommand({"sh", "-c", "PATH=$PATH:/usr/sbin:/sbin command -v " + name});
   return found.out.substr(0, found.out.find('\n'));
 }
 
@@ -33,8 +32,8 @@ class Cluster {
         "--pid-file=" + file("munged.pid"), "--seed-file=" + file("munged.seed")}));
     waitFor([&] { return fs::exists(file("munge.socket")); });
     ::setenv("SLURM_CONF", file("slurm.conf").c_str(), 1);
-    daemons_.push_back(std::make_unique<Process>(
-        std::vector<std::string>{programPath("slurmctld"), "-D", "-i"}));
+    daemons_.push_back(
+        std::make_unique<Process>(std::vector<std::string>{programPath("slurmctld"), "-D", "-i"}));
     daemons_.push_back(std::make_unique<Process>(
         std::vector<std::string>{programPath("slurmd"), "-D", "-N", "localhost"}));
     ready_ = waitFor([] {
@@ -82,8 +81,8 @@ class Cluster {
     const int port = 20000 + static_cast<int>(::getpid() % 10000) * 2;
     std::ofstream conf(folder_ / "slurm.conf");
     conf << "ClusterName=test\nSlurmctldHost=localhost\nSlurmUser=" << name
-         << "\nSlurmdUser=" << name << "\nAuthType=auth/munge\nAuthInfo=socket="
-         << file("munge.socket")
+         << "\nSlurmdUser=" << name
+         << "\nAuthType=auth/munge\nAuthInfo=socket=" << file("munge.socket")
          << "\nProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\nMpiDefault=none\n"
             "ReturnToService=2\nSwitchType=switch/none\nSelectType=select/cons_tres\n"
             "SelectTypeParameters=CR_Core\nJobAcctGatherType=jobacct_gather/none\n"
@@ -128,7 +127,7 @@ class Slurm : public ::testing::Test {
 
 TEST_F(Slurm, RunsTheWorkListAsAJobArrayAndCollects) {
   const std::vector<std::string> local = {
-      DYNEMO_BATCH, path("first.rawlog"), path("second.rawlog"), "--work", path("local"),
+      DYNEMO_BATCH, path("first.rawlog"),  path("second.rawlog"), "--work", path("local"),
       "--set",      "outputs=[trajectory]"};
   ASSERT_EQ(runCommand(local).status, 0);
 
@@ -152,8 +151,8 @@ TEST_F(Slurm, RunsTheWorkListAsAJobArrayAndCollects) {
 }
 
 TEST_F(Slurm, SubmitsWithoutWaitingAndCollectsLater) {
-  const std::vector<std::string> common = {DYNEMO_BATCH, path("first.rawlog"), "--work",
-                                           path("work"), "--set", "outputs=[trajectory]"};
+  const std::vector<std::string> common = {
+      DYNEMO_BATCH, path("first.rawlog"), "--work", path("work"), "--set", "outputs=[trajectory]"};
   auto submit = common, collect = common;
   submit.insert(submit.end(), {"--slurm", "--no-wait"});
   collect.emplace_back("--collect");
@@ -165,9 +164,8 @@ TEST_F(Slurm, SubmitsWithoutWaitingAndCollectsLater) {
 }
 
 TEST_F(Slurm, ARefusalIsOneError) {
-  const Outcome refused =
-      runCommand({DYNEMO_BATCH, path("first.rawlog"), "--work", path("work"), "--slurm",
-                  "--slurm-option=--partition=nowhere"});
+  const Outcome refused = runCommand({DYNEMO_BATCH, path("first.rawlog"), "--work", path("work"),
+                                      "--slurm", "--slurm-option=--partition=nowhere"});
   EXPECT_EQ(refused.status, 3);
   EXPECT_NE(refused.err.find("sbatch: "), std::string::npos) << refused.err;
 }

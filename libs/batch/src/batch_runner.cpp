@@ -143,7 +143,8 @@ class Batch {
     p.failed = result_.failed;
     p.running = running_.size();
     double parts = 0.0;
-    for (const Running& run : running_) parts += printedFraction(store_.consoleFile(items_[run.item]));
+    for (const Running& run : running_)
+      parts += printedFraction(store_.consoleFile(items_[run.item]));
     const double ended = static_cast<double>(result_.done + result_.failed + result_.elsewhere);
     const double total = static_cast<double>(items_.size());
     p.fraction = total > 0 ? (ended + parts) / total : 1.0;
@@ -171,8 +172,8 @@ double printedFraction(const fs::path& console) {
   const auto percent = text.rfind(" %");
   if (percent == std::string::npos) return 0.0;
   const auto begin = text.find_last_not_of("0123456789", percent - 1);
-  const std::string digits =
-      text.substr(begin == std::string::npos ? 0 : begin + 1, percent - (begin == std::string::npos ? 0 : begin + 1));
+  const std::string digits = text.substr(begin == std::string::npos ? 0 : begin + 1,
+                                         percent - (begin == std::string::npos ? 0 : begin + 1));
   return digits.empty() ? 0.0 : std::min(1.0, std::atof(digits.c_str()) / 100.0);
 }
 

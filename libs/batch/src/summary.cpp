@@ -68,8 +68,10 @@ std::vector<std::string> evaluation(const WorkItem& item, const fs::path& folder
     cells[2] = fixed(report.trajectory.per_meter.translation_m.rmse, 4);
     cells[3] = fixed(report.trajectory.per_meter.rotation_rad.rmse * kDeg, 3);
     if (!report.entities || report.entities->errors.nodes.empty()) return cells;
-    cells[4] = fixed(finalErrors(report.entities->errors, SemanticClass::kObject).translation_m.rmse, 4);
-    cells[5] = fixed(finalErrors(report.entities->errors, SemanticClass::kAgent).translation_m.rmse, 4);
+    cells[4] =
+        fixed(finalErrors(report.entities->errors, SemanticClass::kObject).translation_m.rmse, 4);
+    cells[5] =
+        fixed(finalErrors(report.entities->errors, SemanticClass::kAgent).translation_m.rmse, 4);
     cells[6] = fixed(report.entities->changes.by_object.precision(), 3);
     cells[7] = fixed(report.entities->changes.by_object.recall(), 3);
   } catch (const DataError& e) {
@@ -131,8 +133,8 @@ Table summaryTable(const std::vector<WorkItem>& items, const RunStore& store) {
 }
 
 Table performanceTable(const std::vector<WorkItem>& items, const RunStore& store) {
-  Table table{{"rawlog", "setup", "dataset_s", "wall_s", "cpu_s", "real_time_factor",
-               "peak_rss_mb", "optimization_ms"},
+  Table table{{"rawlog", "setup", "dataset_s", "wall_s", "cpu_s", "real_time_factor", "peak_rss_mb",
+               "optimization_ms"},
               {}};
   for (const WorkItem& item : items) {
     if (store.state(item) != RunState::kDone) continue;
@@ -168,8 +170,7 @@ std::string tableText(const Table& table) {
   const auto line = [&](const std::vector<std::string>& cells) {
     std::string row;
     for (std::size_t i = 0; i < cells.size(); ++i)
-      if (widths[i] > 0)
-        row += cells[i] + std::string(widths[i] - width(cells[i]) + 2, ' ');
+      if (widths[i] > 0) row += cells[i] + std::string(widths[i] - width(cells[i]) + 2, ' ');
     row.erase(row.find_last_not_of(' ') + 1);
     text += row + "\n";
   };

@@ -74,8 +74,7 @@ DetectionTable detectAll(const fs::path& input, const EntityModels& models,
       ++report.images;
       auto found = detectors.detect(image);
       report.detections += found.observations.size();
-      if (!found.observations.empty())
-        table[{image.stamp, image.label}] = std::move(found);
+      if (!found.observations.empty()) table[{image.stamp, image.label}] = std::move(found);
     }
   }
   detectors.countWarnings(warnings);

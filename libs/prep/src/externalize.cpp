@@ -19,13 +19,12 @@ struct NamedImage {
 
 std::vector<NamedImage> embeddedImages(mrpt::obs::CObservation& observation) {
   std::vector<NamedImage> all;
-  if (auto* o = dynamic_cast<mrpt::obs::CObservationImage*>(&observation))
-    all = {{&o->image, ""}};
+  if (auto* o = dynamic_cast<mrpt::obs::CObservationImage*>(&observation)) all = {{&o->image, ""}};
   if (auto* o = dynamic_cast<mrpt::obs::CObservationStereoImages*>(&observation))
-    all = {{&o->imageLeft, "_left"}, {&o->imageRight, "_right"}, {&o->imageDisparity, "_disparity"}};
-  std::erase_if(all, [](const NamedImage& i) {
-    return i.image->isExternallyStored() || i.image->isEmpty();
-  });
+    all = {
+        {&o->imageLeft, "_left"}, {&o->imageRight, "_right"}, {&o->imageDisparity, "_disparity"}};
+  std::erase_if(
+      all, [](const NamedImage& i) { return i.image->isExternallyStored() || i.image->isEmpty(); });
   return all;
 }
 
@@ -33,7 +32,8 @@ std::vector<NamedImage> embeddedImages(mrpt::obs::CObservation& observation) {
 std::string fileNamePart(const std::string& label) {
   std::string name = label.empty() ? "image" : label;
   for (char& c : name)
-    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_' && c != '.') c = '_';
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '_' && c != '.')
+      c = '_';
   return name;
 }
 

@@ -68,11 +68,12 @@ std::string sensorDetails(const SensorInspection& s, const Widths& w) {
                           s.scan->point_times ? "each with its time" : "without times");
   if (!s.camera) return text;
   const CameraInspection& c = *s.camera;
-  text += lead + format("%d x %d, fx %.1f fy %.1f cx %.1f cy %.1f, distortion %s, %llu inside of "
-                        "the log, %llu in files",
-                        c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.distortion.c_str(),
-                        static_cast<unsigned long long>(c.embedded),
-                        static_cast<unsigned long long>(c.external));
+  text += lead + format(
+                     "%d x %d, fx %.1f fy %.1f cx %.1f cy %.1f, distortion %s, %llu inside of "
+                     "the log, %llu in files",
+                     c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.distortion.c_str(),
+                     static_cast<unsigned long long>(c.embedded),
+                     static_cast<unsigned long long>(c.external));
   if (c.external_missing > 0)
     text += format(" (%llu missing)", static_cast<unsigned long long>(c.external_missing));
   return text + "\n";
@@ -86,9 +87,9 @@ std::string tagsText(const Inspection& log) {
   for (const SurveyedTag& tag : log.tags) {
     text += format("%6d %6d %7.0f px %7.0f px", tag.id, tag.sightings, tag.min_edge_px,
                    tag.max_edge_px);
-    text += tag.measured_size_m ? format("   %.3f m (%d points)\n", *tag.measured_size_m,
-                                         tag.size_points)
-                                : "   -\n";
+    text += tag.measured_size_m
+                ? format("   %.3f m (%d points)\n", *tag.measured_size_m, tag.size_points)
+                : "   -\n";
   }
   return text;
 }
@@ -106,11 +107,12 @@ std::string findingsText(const Inspection& log) {
 }  // namespace
 
 std::string inspectionText(const Inspection& log) {
-  std::string text = log.rawlog.string() + ": " +
-                     format("%.1f MB, %s, %s, %llu objects", static_cast<double>(log.file_bytes) / 1e6,
-                            log.compressed ? "compressed" : "not compressed",
-                            log.actions_and_frames ? "actions and sensory frames" : "observations",
-                            static_cast<unsigned long long>(log.objects));
+  std::string text =
+      log.rawlog.string() + ": " +
+      format("%.1f MB, %s, %s, %llu objects", static_cast<double>(log.file_bytes) / 1e6,
+             log.compressed ? "compressed" : "not compressed",
+             log.actions_and_frames ? "actions and sensory frames" : "observations",
+             static_cast<unsigned long long>(log.objects));
   if (log.first)
     text += format(", %.1f s from %s", secondsBetween(*log.first, *log.last),
                    log.first->text().c_str());
@@ -126,10 +128,9 @@ std::string inspectionText(const Inspection& log) {
   text += "\n";
   for (const SensorInspection& s : log.sensors) text += sensorDetails(s, w);
   text += tagsText(log) + findingsText(log) + "\n";
-  text += log.runnable()
-              ? format("dynemo-slam can run it: %llu frames.\n",
-                       static_cast<unsigned long long>(log.frames))
-              : std::string("dynemo-slam cannot run it.\n");
+  text += log.runnable() ? format("dynemo-slam can run it: %llu frames.\n",
+                                  static_cast<unsigned long long>(log.frames))
+                         : std::string("dynemo-slam cannot run it.\n");
   return text;
 }
 

@@ -78,8 +78,9 @@ void Judge::file() {
         "record or copy it again; dynemo-prep trim " + name() +
             " -o REPAIRED.rawlog saves what can be read");
   if (log_.null_objects > 0)
-    add(Severity::kWarning, std::to_string(log_.null_objects) +
-                                " stored null objects, at which other MRPT programs crash",
+    add(Severity::kWarning,
+        std::to_string(log_.null_objects) +
+            " stored null objects, at which other MRPT programs crash",
         "dynemo-prep trim " + name() + " -o REPAIRED.rawlog leaves them out");
 }
 
@@ -108,7 +109,8 @@ void Judge::stamps(const SensorInspection& s) {
             " s from those of the other sensors: it has a clock of its own",
         "rawlog-edit --keep-label and --remap-timestamps \"1;" + fixed(-s.clock_offset_s, 3) +
             "\", then dynemo-prep merge; better: synchronise the clocks and record again" +
-            (s.use == UseOfSensor::kOdometry ? "; or do without: --set odometry.source=lidar" : ""));
+            (s.use == UseOfSensor::kOdometry ? "; or do without: --set odometry.source=lidar"
+                                             : ""));
 }
 
 void Judge::mounting(const SensorInspection& s) {
@@ -123,7 +125,8 @@ void Judge::mounting(const SensorInspection& s) {
   const bool at_origin = local(Pose3(), *s.T_base_sensor).norm() < 1e-9;
   if (at_origin && s.use == UseOfSensor::kImage)
     add(Severity::kWarning,
-        quoted(s) + ": sits in the robot's origin and looks straight up, so its pose was hardly set",
+        quoted(s) +
+            ": sits in the robot's origin and looks straight up, so its pose was hardly set",
         fix);
   else if (at_origin && s.use == UseOfSensor::kScan && hasImages())
     add(Severity::kHint, quoted(s) + ": sits in the robot's origin; is that so?", fix);
@@ -208,8 +211,7 @@ void Judge::ingest() {
     std::string fix;
     if (what.find("size is not that of its calibration") != std::string::npos)
       fix = "dynemo-prep set-calibration with a calibration of that size";
-    else if (what.find("without scan within") != std::string::npos ||
-             what.find("without") == 0)
+    else if (what.find("without scan within") != std::string::npos || what.find("without") == 0)
       fix = "sensors.sync.max_image_offset_s says how far an image may be from its scan";
     add(Severity::kWarning, "reading: " + what + ": " + std::to_string(count), fix);
   }

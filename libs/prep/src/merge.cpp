@@ -46,7 +46,8 @@ void warnOfSharedSensors(const std::vector<std::unique_ptr<Source>>& sources,
         if (other == sources[b]->sensors.end() || other->second.first > times.second ||
             other->second.second < times.first)
           continue;
-        warnings.count("sensor " + sensor + " comes from several inputs at the same time: relabel " +
+        warnings.count("sensor " + sensor +
+                       " comes from several inputs at the same time: relabel " +
                        "one, unless it is the same sensor");
       }
 }
@@ -59,8 +60,7 @@ RewriteReport mergeRawlogs(const std::vector<fs::path>& inputs, const fs::path& 
   RewriteReport report;
   WarningCounter warnings;
   std::vector<std::unique_ptr<Source>> sources;
-  for (const fs::path& input : inputs)
-    sources.push_back(std::make_unique<Source>(input, warnings));
+  for (const fs::path& input : inputs) sources.push_back(std::make_unique<Source>(input, warnings));
   RawlogOutput out(output, options.compressed.value_or(sources.front()->reader.compressed()),
                    options.images);
   for (const auto& source : sources) source->advance(report);

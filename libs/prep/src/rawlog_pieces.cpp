@@ -57,8 +57,7 @@ bool editObservations(RawlogPiece& piece, const ObservationEdit& edit) {
   return true;
 }
 
-void forEachObservation(const RawlogPiece& piece,
-                        const std::function<void(CObservation&)>& visit) {
+void forEachObservation(const RawlogPiece& piece, const std::function<void(CObservation&)>& visit) {
   for (const StoredObject& stored : piece.objects) {
     if (stored.entry.kind == Kind::kObservation)
       visit(dynamic_cast<CObservation&>(*stored.entry.object));

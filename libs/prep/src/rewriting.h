@@ -14,10 +14,10 @@ void rewrite(PieceReader& input, const Route& route, WarningCounter& warnings,
 
 /// Input to one output through an edit of each observation, committed at the end after `check`,
 /// which may throw to give the result up.
-RewriteReport rewriteObservations(
-    const std::filesystem::path& input, const std::filesystem::path& output,
-    const RewriteOptions& options, const ObservationEdit& edit,
-    const std::function<void(const RewriteReport&)>& check = nullptr);
+RewriteReport rewriteObservations(const std::filesystem::path& input,
+                                  const std::filesystem::path& output,
+                                  const RewriteOptions& options, const ObservationEdit& edit,
+                                  const std::function<void(const RewriteReport&)>& check = nullptr);
 
 /// Labels seen and labels wanted.
 class LabelCheck {

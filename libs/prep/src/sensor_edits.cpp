@@ -53,9 +53,8 @@ RewriteReport setCalibration(const fs::path& input, const fs::path& output,
     if (!labels.wants(o.sensorLabel)) return EditResult::kUnchanged;
     if (auto* image = dynamic_cast<mrpt::obs::CObservationImage*>(&o)) {
       image->cameraParams = calibration;
-      if (!image->image.isExternallyStored() &&
-          (image->image.getWidth() != calibration.ncols ||
-           image->image.getHeight() != calibration.nrows))
+      if (!image->image.isExternallyStored() && (image->image.getWidth() != calibration.ncols ||
+                                                 image->image.getHeight() != calibration.nrows))
         ++other_size;
     } else if (auto* range = dynamic_cast<mrpt::obs::CObservation3DRangeScan*>(&o)) {
       range->cameraParamsIntensity = calibration;
@@ -92,8 +91,9 @@ RewriteReport relabelRawlog(const fs::path& input, const fs::path& output,
   return rewriteObservations(input, output, options, edit, [&](const RewriteReport&) {
     for (std::size_t i = 0; i < changes.size(); ++i)
       if (times[i] == 0)
-        throw ConfigError(input.string() + ": no observation of '" + changes[i].from + "'" +
-                          (changes[i].class_name.empty() ? "" : " (" + changes[i].class_name + ")"));
+        throw ConfigError(
+            input.string() + ": no observation of '" + changes[i].from + "'" +
+            (changes[i].class_name.empty() ? "" : " (" + changes[i].class_name + ")"));
   });
 }
 

@@ -71,7 +71,8 @@ CameraInspection cameraInspection(const mrpt::img::TCamera& camera) {
   c.fy = camera.fy();
   c.cx = camera.cx();
   c.cy = camera.cy();
-  c.distortion = mrpt::typemeta::TEnumType<mrpt::img::DistortionModel>::value2name(camera.distortion);
+  c.distortion =
+      mrpt::typemeta::TEnumType<mrpt::img::DistortionModel>::value2name(camera.distortion);
   return c;
 }
 

@@ -116,10 +116,8 @@ void TagSurvey::Impl::addImage(const SensorFrame& frame, const CameraImage& imag
     sighting.camera = image.label;
     sighting.edge_px = effectiveEdge_px(tag);
     if (calibrated) sighting.T_camera_unit_tag = unitPose(tag, image.model);
-    if (sighting.T_camera_unit_tag)
-      places.emplace_back(tag.tag_id, sighting.T_camera_unit_tag->t);
-    if (image.odometry)
-      sighting.T_odom_camera = image.odometry->T_odom_base * image.T_base_camera;
+    if (sighting.T_camera_unit_tag) places.emplace_back(tag.tag_id, sighting.T_camera_unit_tag->t);
+    if (image.odometry) sighting.T_odom_camera = image.odometry->T_odom_base * image.T_base_camera;
     if (sighting.T_camera_unit_tag && !params.size_m) {
       if (!points) points = visiblePoints(frame, image);
       measureSizes(tag, *sighting.T_camera_unit_tag, *points);
@@ -131,8 +129,7 @@ void TagSurvey::Impl::addImage(const SensorFrame& frame, const CameraImage& imag
 
 /// A point on the plane of the tag tells how far away that plane is, thus how large the tag is: the
 /// plane of a tag of size s goes through s·t, where t is the origin of one of 1 m.
-void TagSurvey::Impl::measureSizes(const TagCornerObservation& tag,
-                                   const Pose3& T_camera_unit_tag,
+void TagSurvey::Impl::measureSizes(const TagCornerObservation& tag, const Pose3& T_camera_unit_tag,
                                    const std::vector<VisiblePoint>& points) {
   const Vector3 normal = T_camera_unit_tag.R.col(2);
   const double unit_distance = normal.dot(T_camera_unit_tag.t);

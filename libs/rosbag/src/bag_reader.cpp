@@ -38,7 +38,8 @@ Message convert(sensor_msgs::PointCloud2& in, const MessageInstance& m) {
   out.point_step = in.point_step;
   out.row_step = in.row_step;
   out.is_bigendian = in.is_bigendian != 0;
-  for (const auto& field : in.fields) out.fields.push_back({field.name, field.offset, field.datatype});
+  for (const auto& field : in.fields)
+    out.fields.push_back({field.name, field.offset, field.datatype});
   out.data = std::move(in.data);
   return out;
 }
@@ -87,8 +88,8 @@ Message convert(nav_msgs::Odometry& in, const MessageInstance& m) {
 Message convert(tf2_msgs::TFMessage& in, const MessageInstance&) {
   Transforms out;
   for (const auto& t : in.transforms)
-    out.transforms.push_back({t.header.frame_id, t.child_frame_id,
-                              pose(t.transform.translation, t.transform.rotation)});
+    out.transforms.push_back(
+        {t.header.frame_id, t.child_frame_id, pose(t.transform.translation, t.transform.rotation)});
   return out;
 }
 

@@ -17,7 +17,8 @@ void FrameTree::add(const std::string& parent, const std::string& child,
   frames_.insert(child);
   const auto [it, is_new] = links_.try_emplace(child, Link{parent, T_parent_child});
   Link& link = it->second;
-  if (!is_new && (link.parent != parent || local(link.T_parent_child, T_parent_child).norm() > kStill))
+  if (!is_new &&
+      (link.parent != parent || local(link.T_parent_child, T_parent_child).norm() > kStill))
     link.changes = true;
 }
 

@@ -70,8 +70,8 @@ Expected<FieldReader, std::string> fieldReader(const ros1::PointCloud& message,
 
 /// How an encoding of an image becomes 8-bit grey or BGR.
 struct Encoding {
-  int type;                 ///< of the data
-  int conversion = -1;      ///< OpenCV's, after the depth is reduced; −1: none
+  int type;             ///< of the data
+  int conversion = -1;  ///< OpenCV's, after the depth is reduced; −1: none
 };
 
 const std::map<std::string, Encoding>& encodings() {
@@ -114,8 +114,7 @@ bool hasPointTimes(const ros1::PointCloud& message) {
   return false;
 }
 
-Expected<mrpt::maps::CPointsMap::Ptr, std::string> cloudFrom(
-    const ros1::PointCloud& message) {
+Expected<mrpt::maps::CPointsMap::Ptr, std::string> cloudFrom(const ros1::PointCloud& message) {
   if (message.is_bigendian) return make_unexpected(std::string("big-endian data"));
   FieldReader xyz[3];
   const char* names[] = {"x", "y", "z"};
@@ -163,7 +162,8 @@ Expected<cv::Mat, std::string> imageFrom(const ros1::Image& message) {
   const int type = encoding->second.type;
   const std::size_t row_bytes = message.width * static_cast<std::size_t>(CV_ELEM_SIZE(type));
   if (message.width == 0 || message.height == 0 || message.step < row_bytes ||
-      message.data.size() < (message.height - 1) * static_cast<std::size_t>(message.step) + row_bytes)
+      message.data.size() <
+          (message.height - 1) * static_cast<std::size_t>(message.step) + row_bytes)
     return make_unexpected(std::string("data shorter than its description"));
   if (CV_MAT_DEPTH(type) == CV_16U && message.is_bigendian)
     return make_unexpected(std::string("big-endian data"));
@@ -171,8 +171,7 @@ Expected<cv::Mat, std::string> imageFrom(const ros1::Image& message) {
                            const_cast<std::uint8_t*>(message.data.data()), message.step)
                        .clone();
   if (pixels.depth() == CV_16U) pixels.convertTo(pixels, CV_8U, 1.0 / 256.0);
-  if (encoding->second.conversion >= 0)
-    cv::cvtColor(pixels, pixels, encoding->second.conversion);
+  if (encoding->second.conversion >= 0) cv::cvtColor(pixels, pixels, encoding->second.conversion);
   return pixels;
 }
 

@@ -25,9 +25,8 @@ namespace {
 
 /// "/camera/image_raw" → "camera_image_raw".
 std::string labelOf(const std::string& topic) {
-  std::string label = topic.substr(topic.find_first_not_of('/') == std::string::npos
-                                       ? 0
-                                       : topic.find_first_not_of('/'));
+  std::string label = topic.substr(
+      topic.find_first_not_of('/') == std::string::npos ? 0 : topic.find_first_not_of('/'));
   std::replace(label.begin(), label.end(), '/', '_');
   return label;
 }
@@ -52,7 +51,8 @@ std::string imageExtension(const std::vector<std::uint8_t>& data) {
 
 void writeBytes(const fs::path& file, const std::vector<std::uint8_t>& bytes) {
   std::ofstream out(file, std::ios::binary);
-  out.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  out.write(reinterpret_cast<const char*>(bytes.data()),
+            static_cast<std::streamsize>(bytes.size()));
   out.close();
   if (!out) throw DataError(file.string() + ": cannot be written");
 }
@@ -73,8 +73,9 @@ class Import {
     forEachMessage([](const std::string& type) { return tellsOfTheSetting(type); },
                    [this](const ros1::Record& r) { learn(r); });
     chooseBaseFrame();
-    forEachMessage([](const std::string& type) { return !tellsOfTheSetting(type) || isOdometry(type); },
-                   [this](const ros1::Record& r) { convert(r); });
+    forEachMessage(
+        [](const std::string& type) { return !tellsOfTheSetting(type) || isOdometry(type); },
+        [this](const ros1::Record& r) { convert(r); });
     report_.warnings = warnings_.counts();
     if (report_.written.empty())
       throw DataError(file_.string() + ": holds no message that can be imported" + leftOutText());
@@ -164,7 +165,8 @@ void Import::chooseBaseFrame() {
   if (report_.base_frame.empty()) report_.base_frame = setting_.odometry_child;
   if (!params_.base_frame.empty() && !setting_.frames.knows(report_.base_frame) &&
       report_.base_frame != setting_.odometry_child)
-    throw ConfigError(file_.string() + ": no tf message knows the frame '" + params_.base_frame + "'");
+    throw ConfigError(file_.string() + ": no tf message knows the frame '" + params_.base_frame +
+                      "'");
 }
 
 void Import::convert(const ros1::Record& record) {
@@ -210,7 +212,8 @@ void Import::take(const ros1::PointCloud& message, const std::string&, const std
   const auto cloud = cloudFrom(message);
   if (!cloud) return warnings_.count("cloud of '" + label + "' left out: " + cloud.error());
   if (hasPointTimes(message))
-    warnings_.count("cloud of '" + label + "' has times per point, which MRPT's clouds cannot hold: " +
+    warnings_.count("cloud of '" + label +
+                    "' has times per point, which MRPT's clouds cannot hold: " +
                     "set sensors.lidar.sweep_rate_hz");
   const std::uint64_t all = static_cast<std::uint64_t>(message.width) * message.height;
   warnings_.count("'" + label + "': points that are not finite left out", all - (*cloud)->size());
@@ -251,7 +254,8 @@ void Import::take(const ros1::Image& message, const std::string& topic, const st
   const auto pixels = imageFrom(message);
   if (!pixels) return warnings_.count("image of '" + label + "' left out: " + pixels.error());
   writeImage(message.header, topic, label, ".png", [&](const fs::path& file) {
-    if (!cv::imwrite(file.string(), *pixels)) throw DataError(file.string() + ": cannot be written");
+    if (!cv::imwrite(file.string(), *pixels))
+      throw DataError(file.string() + ": cannot be written");
   });
 }
 
@@ -277,7 +281,8 @@ void Import::take(const ros1::Odometry& message, const std::string&, const std::
 
 std::string Import::leftOutText() const {
   std::string text;
-  for (const auto& [topic, count] : report_.left_out) text += (text.empty() ? "; it has " : ", ") + topic;
+  for (const auto& [topic, count] : report_.left_out)
+    text += (text.empty() ? "; it has " : ", ") + topic;
   for (const auto& [what, count] : warnings_.counts()) text += "; " + what;
   return text;
 }

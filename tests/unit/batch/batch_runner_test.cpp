@@ -56,10 +56,9 @@ TEST_F(Runner, RunsEverythingOnceAndContinuesWithWhatIsMissing) {
 TEST_F(Runner, AFailedRunIsReportedAndTheRestFinished) {
   const std::vector<WorkItem> items = {item("a", "bad"), item("b", "killed"), item("c", "3")};
   std::map<std::string, std::string> ended;
-  const auto result = runBatch(items, store, params,
-                               {nullptr, [&](const WorkItem& i, const std::string& failure) {
-                                  ended[i.name] = failure;
-                                }});
+  const auto result = runBatch(
+      items, store, params,
+      {nullptr, [&](const WorkItem& i, const std::string& failure) { ended[i.name] = failure; }});
   EXPECT_EQ(result.done, 1U);
   EXPECT_EQ(result.failed, 2U);
   EXPECT_EQ(ended["a/default"], "exit status 3: the reason");

@@ -15,9 +15,8 @@ TEST(SlurmScript, IsAnArrayOfOneTaskPerItem) {
   const std::string script = slurmScript(job, store, params);
   EXPECT_EQ(script.rfind("#!/bin/sh\n", 0), 0U);
   EXPECT_NE(script.find("#SBATCH --array=0-4\n"), std::string::npos);
-  EXPECT_NE(script.find("exec '/opt/it'\\''s/dynemo-batch' --work '" +
-                        (folder / "wo rk").string() + "' --task '" +
-                        (folder / "job" / "work.json").string() +
+  EXPECT_NE(script.find("exec '/opt/it'\\''s/dynemo-batch' --work '" + (folder / "wo rk").string() +
+                        "' --task '" + (folder / "job" / "work.json").string() +
                         "' --index \"$SLURM_ARRAY_TASK_ID\"\n"),
             std::string::npos)
       << script;

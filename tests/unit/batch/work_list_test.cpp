@@ -23,13 +23,13 @@ class WorkList : public ::testing::Test {
 
 TEST_F(WorkList, WordsAreFilesPatternsAndLists) {
   EXPECT_EQ(expandRawlogs({path("b/other.rawlog")}), std::vector<fs::path>{path("b/other.rawlog")});
-  EXPECT_EQ(expandRawlogs({path("*/*.rawlog")}),
-            (std::vector<fs::path>{path("a/log.rawlog"), path("b/log.rawlog"),
-                                   path("b/other.rawlog")}));
+  EXPECT_EQ(
+      expandRawlogs({path("*/*.rawlog")}),
+      (std::vector<fs::path>{path("a/log.rawlog"), path("b/log.rawlog"), path("b/other.rawlog")}));
   writeFile(folder / "list.txt", "# all of b\n  b/*.rawlog \n\n" + path("a/log.rawlog") + "\r\n");
-  EXPECT_EQ(expandRawlogs({"@" + path("list.txt"), path("a/log.rawlog")}),
-            (std::vector<fs::path>{path("b/log.rawlog"), path("b/other.rawlog"),
-                                   path("a/log.rawlog")}));
+  EXPECT_EQ(
+      expandRawlogs({"@" + path("list.txt"), path("a/log.rawlog")}),
+      (std::vector<fs::path>{path("b/log.rawlog"), path("b/other.rawlog"), path("a/log.rawlog")}));
 }
 
 TEST_F(WorkList, WhatNamesNothingIsAnError) {

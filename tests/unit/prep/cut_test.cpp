@@ -126,8 +126,7 @@ TEST_F(Cut, MergeOrdersByTime) {
   // Two sensors in files of their own, and a third recorded later.
   writeLog(folder / "a.rawlog", {.image_period_s = 0, .odometry_period_s = 0});
   writeLog(folder / "b.rawlog", {.scan_period_s = 0, .image_period_s = 0});
-  const auto report =
-      mergeRawlogs({folder / "a.rawlog", folder / "b.rawlog"}, output, {});
+  const auto report = mergeRawlogs({folder / "a.rawlog", folder / "b.rawlog"}, output, {});
   const auto merged = readLog(output);
   EXPECT_EQ(report.written, 51U + 101U);
   EXPECT_EQ(countByLabel(merged), (std::map<std::string, int>{{"lidar", 51}, {"odom3d", 101}}));

@@ -140,8 +140,7 @@ TEST_F(Check, CalibrationAndMountingAreMissed) {
   const auto inspection = inspect();
   EXPECT_NE(finding(inspection, "no calibration").fix.find("set-calibration --label camera"),
             std::string::npos);
-  EXPECT_NE(finding(inspection, "looks straight up").fix.find("set-extrinsics"),
-            std::string::npos);
+  EXPECT_NE(finding(inspection, "looks straight up").fix.find("set-extrinsics"), std::string::npos);
 }
 
 TEST_F(Check, MissingImageFilesAreCounted) {

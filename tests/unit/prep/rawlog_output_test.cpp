@@ -96,7 +96,8 @@ TEST_F(Output, ExternalisedImagesHaveTheSamePixels) {
     out.write(imageObservation(0.2, "left/colour", 3));
   }
   const auto report = externalizeImages(input, output, ImageFormat::kPng, 95, {});
-  EXPECT_EQ(report.edited, (std::map<std::string, std::uint64_t>{{"camera", 2}, {"left/colour", 1}}));
+  EXPECT_EQ(report.edited,
+            (std::map<std::string, std::uint64_t>{{"camera", 2}, {"left/colour", 1}}));
   const auto before = readLog(input), after = readLog(output);
   ASSERT_EQ(after.size(), 4U);
   EXPECT_EQ(after[2].bytes, before[2].bytes);

@@ -154,8 +154,7 @@ TEST_F(Tags, CheckListsThem) {
 }
 
 TEST_F(Tags, AnnotatedLogsGiveTheSameObservationsWithoutImages) {
-  const auto report =
-      annotateRawlog(log, folder / "out.rawlog", models, {.drop_images = true}, {});
+  const auto report = annotateRawlog(log, folder / "out.rawlog", models, {.drop_images = true}, {});
   EXPECT_EQ(report.images, 15U);
   EXPECT_EQ(report.detections, 30U);
   EXPECT_EQ(countByLabel(readLog(folder / "out.rawlog")),

@@ -17,7 +17,8 @@ class BagWriter {
 
   /// Points of x y z and, when `intensities` are given, intensity, with unused bytes between.
   void cloud(const std::string& topic, double stamp_s, const std::string& frame,
-             const std::vector<std::array<float, 3>>& points, const std::vector<float>& intensities);
+             const std::vector<std::array<float, 3>>& points,
+             const std::vector<float>& intensities);
   void image(const std::string& topic, double stamp_s, const std::string& frame,
              const std::string& encoding, std::uint32_t width, std::uint32_t height,
              const std::vector<std::uint8_t>& data);

@@ -110,7 +110,8 @@ TEST_F(Import, ImagesBecomeFilesWithCalibration) {
     BagWriter out(bag);
     out.cameraInfo("/cam/camera_info", 100, 64, 48, "equidistant", {0.1, 0.2, 0.3, 0.4});
     out.image("/cam/image_raw", 100, "camera", "rgb8", 64, 48, rgb);
-    out.image("/cam/image_rect", 100, "camera", "mono8", 64, 48, std::vector<std::uint8_t>(64 * 48));
+    out.image("/cam/image_rect", 100, "camera", "mono8", 64, 48,
+              std::vector<std::uint8_t>(64 * 48));
     out.compressedImage("/cam/image_raw/compressed", 100, "camera", jpeg);
     out.compressedImage("/cam/other/compressed", 100, "camera", {1, 2, 3, 4});
     out.image("/cam/odd", 100, "camera", "64FC7", 64, 48, std::vector<std::uint8_t>(64 * 48));
@@ -140,7 +141,8 @@ TEST_F(Import, ImagesBecomeFilesWithCalibration) {
 
 TEST_F(Import, OdometryIsThatOfTheBaseWithItsCovariance) {
   std::array<double, 36> covariance{};
-  for (std::size_t i = 0; i < 6; ++i) covariance[i * 7] = i < 3 ? 0.01 * static_cast<double>(i + 1) : 0.001;
+  for (std::size_t i = 0; i < 6; ++i)
+    covariance[i * 7] = i < 3 ? 0.01 * static_cast<double>(i + 1) : 0.001;
   {
     BagWriter out(bag);
     out.transform("/tf_static", 99, "imu", "base_link", {0, 0, -1}, kNoRotation);

@@ -13,7 +13,7 @@ namespace dynemo {
 struct WorkItem {
   std::string name{};    ///< of its folder, unique: "RAWLOG/SETUP"
   std::string rawlog{};  ///< file
-  std::string setup{};  ///< for the table
+  std::string setup{};   ///< for the table
   /// Arguments of dynemo-slam without --output.
   std::vector<std::string> arguments{};
   /// Ground truth beside the rawlog; empty when there is none.

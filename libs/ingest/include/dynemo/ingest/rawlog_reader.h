@@ -30,7 +30,7 @@ struct RawlogEntry {
   Kind kind = Kind::kNull;
   std::string class_name;  ///< without namespace; empty for a stored null object
   mrpt::serialization::CSerializable::Ptr object;  ///< null for kNull only
-  std::string bytes;  ///< as stored, when the reader keeps them
+  std::string bytes;                               ///< as stored, when the reader keeps them
 };
 
 /// Reads one object at a time; memory does not depend on the length of the file. Not thread-safe,

@@ -71,8 +71,7 @@ RewriteReport mergeRawlogs(const std::vector<std::filesystem::path>& inputs,
 
 /// Sets T_base_sensor by sensor label. Throws ConfigError, listing the labels of the log, when one
 /// does not occur.
-RewriteReport setExtrinsics(const std::filesystem::path& input,
-                            const std::filesystem::path& output,
+RewriteReport setExtrinsics(const std::filesystem::path& input, const std::filesystem::path& output,
                             const std::map<std::string, Pose3>& T_base_sensor,
                             const RewriteOptions& options);
 
@@ -91,8 +90,7 @@ struct LabelChange {
   /// Only observations of this class; empty: all.
   std::string class_name{};
 };
-RewriteReport relabelRawlog(const std::filesystem::path& input,
-                            const std::filesystem::path& output,
+RewriteReport relabelRawlog(const std::filesystem::path& input, const std::filesystem::path& output,
                             const std::vector<LabelChange>& changes, const RewriteOptions& options);
 
 enum class ImageFormat { kPng, kJpeg };
