@@ -20,6 +20,7 @@ constexpr int kPanel_px = 1200;  ///< longer side
 constexpr int kDetailHeight_px = 560;
 constexpr double kMargin_m = 0.5;
 constexpr double kDetail_m = 5.0;  ///< width
+constexpr double kCell_m = 0.25;   ///< of the search for it
 constexpr int kGap_px = 24, kTitle_px = 56;
 const cv::Scalar kInk(60, 55, 50), kPath(120, 120, 120), kClosure(60, 160, 20),
     kFrame(190, 190, 190);
@@ -114,20 +115,34 @@ MapView wholeMap(const std::vector<MapPoint>& points, const std::vector<Pose3>& 
   return view;
 }
 
-/// Around the keyframe whose estimate the closures have changed most, as wide as the panel.
-MapView detail(const std::vector<Pose3>& before, const std::vector<Pose3>& after,
-               const MapView& whole) {
-  std::size_t most = 0;
-  const auto change = [&](std::size_t k) { return (after[k].t - before[k].t).norm(); };
-  for (std::size_t k = 1; k < after.size(); ++k) {
-    if (change(k) > change(most)) most = k;
-  }
+/// Where the closures moved the most structure: the window, as wide as the panel, with the largest
+/// sum of displacements.
+MapView detail(const std::vector<MapPoint>& points, const std::vector<Pose3>& before,
+               const std::vector<Pose3>& after, const MapView& whole) {
   MapView view;
   view.pixel_m = kDetail_m / whole.size().width;
   const Vector2 half(0.5 * kDetail_m, 0.5 * kDetailHeight_px * view.pixel_m);
+  MapView cells = whole;
+  cells.pixel_m = kCell_m;
+  cv::Mat moved(cells.size(), CV_32FC1, cv::Scalar(0));
+  for (const MapPoint& point : points) {
+    const Vector3 p = after[point.keyframe] * point.p_base.cast<double>();
+    const cv::Point cell(cells.pixel(p));
+    if (!cv::Rect({0, 0}, moved.size()).contains(cell)) continue;
+    const Vector3 p_before = before[point.keyframe] * point.p_base.cast<double>();
+    moved.at<float>(cell) += static_cast<float>((p - p_before).norm());
+  }
+  const Eigen::Vector2d window = 2.0 * half / kCell_m;
+  cv::boxFilter(moved, moved, -1,
+                cv::Size(static_cast<int>(window.x()) | 1, static_cast<int>(window.y()) | 1),
+                {-1, -1}, false, cv::BORDER_CONSTANT);
+  cv::Point most;
+  cv::minMaxLoc(moved, nullptr, nullptr, nullptr, &most);
+  const Vector2 there(cells.area_m.min().x() + (most.x + 0.5) * kCell_m,
+                      cells.area_m.max().y() - (most.y + 0.5) * kCell_m);
   // Inside of the whole, as far as that is large enough.
   const Vector2 low = whole.area_m.min() + half, high = whole.area_m.max() - half;
-  const Vector2 center = after[most].t.head<2>().cwiseMin(high).cwiseMax(low);
+  const Vector2 center = there.cwiseMin(high).cwiseMax(low);
   view.area_m = Eigen::AlignedBox2d(center - half, center + half);
   return view;
 }
@@ -191,7 +206,7 @@ class MapFigureExporter : public Exporter {
     const std::array<cv::Mat, 2> maps = {panel(graph, points, before, whole, false),
                                          panel(graph, points, after, whole, true)};
     const int width = maps[0].cols, height = maps[0].rows;
-    const MapView part = detail(before, after, whole);
+    const MapView part = detail(points, before, after, whole);
     const std::array<cv::Mat, 2> details = {panel(graph, points, before, part, false),
                                             panel(graph, points, after, part, true)};
     cv::Mat sheet =

@@ -196,6 +196,13 @@ void LoopCloser::verify(const LoopPair& pair, Attempt& attempt) const {
   record.graph_distance = distanceFromGraph(measured, pair.predicted, closures_.driftScale());
   attempt.doubtful = *record.graph_distance > max_squared;
   if (attempt.doubtful) record.reason = "contradicts the graph";
+  // Objects that moved together would, too; but not by what the robot's drift explains.
+  if (pair.consensus && !entities_agree &&
+      distanceFromGraph(pair.consensus->earlier_later, pair.predicted, closures_.driftScale()) <=
+          max_squared) {
+    attempt.doubtful = true;
+    record.reason = "contradicts the objects seen from both";
+  }
   attempt.measured = measured;
   const double unscaled = distanceFromGraph(measured, pair.predicted, 1.0);
   attempt.explained = std::min(1.0, std::sqrt(max_squared / unscaled));
