@@ -18,7 +18,20 @@ NormalEquations::Terms NormalEquations::termsOf(const Vector6& a, const Weighted
   return terms;
 }
 
+void NormalEquations::addAgreement(const WeightedResidual& r) {
+  Vector6 a, b;
+  a << r.n, r.s.cross(r.n);
+  b << r.n_target, r.s.cross(r.n_target);
+  const double half = 0.5 * r.weight;
+  int entry = 0;
+  for (int row = 0; row < 6; ++row) {
+    for (int col = row; col < 6; ++col)
+      agreement_[entry++] += half * (a[row] * b[col] + b[row] * a[col]);
+  }
+}
+
 void NormalEquations::add(const WeightedResidual& r) {
+  addAgreement(r);
   Vector6 a, pull;
   a << r.b, r.s.cross(r.b);
   pull << r.e, r.s.cross(r.e);
@@ -39,6 +52,7 @@ void NormalEquations::add(const WeightedResidual& r) {
 
 void NormalEquations::add(const NormalEquations& other) {
   for (std::size_t k = 0; k < sums_.size(); ++k) sums_[k] += other.sums_[k];
+  agreement_ += other.agreement_;
   for (std::size_t k = 0; k < gradient_.size(); ++k) gradient_[k] += other.gradient_[k];
   matched += other.matched;
   inliers += other.inliers;
@@ -47,14 +61,16 @@ void NormalEquations::add(const NormalEquations& other) {
   squared_residuals += other.squared_residuals;
 }
 
-Matrix6 NormalEquations::normalPart(int order) const {
-  const Terms& terms = sums_[static_cast<std::size_t>(order)];
+Matrix6 NormalEquations::symmetric(const double* upper) {
   Matrix6 H;
-  int entry = 0;
   for (int row = 0; row < 6; ++row) {
-    for (int col = row; col < 6; ++col) H(row, col) = H(col, row) = terms[entry++];
+    for (int col = row; col < 6; ++col) H(row, col) = H(col, row) = *upper++;
   }
   return H;
+}
+
+Matrix6 NormalEquations::normalPart(int order) const {
+  return symmetric(sums_[static_cast<std::size_t>(order)].data());
 }
 
 Matrix6 NormalEquations::massPart(int order) const {

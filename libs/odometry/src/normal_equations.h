@@ -5,6 +5,10 @@
 // dα) with A = [I, −[s]×]. The residual e = q − p is weighted with
 //   M = w (k b bᵀ + ε I),
 // b the bisector of the two normals: a row a = [b; s×b] along it and the small isotropic part ε.
+//
+// Normals are noisy, and a bᵀ b of noise alone looks like information in directions that no surface
+// faces. The noise of a scan's normal n and of its partner's n′ is independent, so that the mean of
+// the products a(n) a(n′)ᵀ has none of it: agreement() sums these.
 #pragma once
 
 #include <array>
@@ -16,6 +20,7 @@ namespace dynemo {
 /// One correspondence, weighted.
 struct WeightedResidual {
   Vector3 e, s, b;
+  Vector3 n, n_target;   ///< both normals, in one sense
   double along_normal;   ///< b · e
   double weight;         ///< w
   double weight_normal;  ///< w k
@@ -34,9 +39,10 @@ class NormalEquations {
   void add(const WeightedResidual& r);
   void add(const NormalEquations& other);
 
-  /// Σ wk a aᵀ and Σ w AᵀA.
-  Matrix6 normalHessian() const { return normalPart(0); }
+  /// Σ w AᵀA.
   Matrix6 massMatrix() const { return massPart(0); }
+  /// Σ w (a(n) a(n′)ᵀ + a(n′) a(n)ᵀ) / 2. Not weighted by k, which favours noise that agrees.
+  Matrix6 agreement() const { return symmetric(agreement_.data()); }
   /// Σ τᵏ AᵀMA.
   Matrix6 hessian(int order) const { return normalPart(order) + isotropy_ * massPart(order); }
   /// Σ τᵏ AᵀM e.
@@ -53,6 +59,8 @@ class NormalEquations {
   static constexpr int kTerms = kUpper + 10;
   using Terms = Eigen::Array<double, kTerms + 1, 1>;
 
+  void addAgreement(const WeightedResidual& r);
+  static Matrix6 symmetric(const double* upper);
   static Terms termsOf(const Vector6& a, const WeightedResidual& r);
   Matrix6 normalPart(int order) const;
   Matrix6 massPart(int order) const;
@@ -61,6 +69,7 @@ class NormalEquations {
   double isotropy_;
   std::array<Terms, 2 * kDegree + 1> sums_{Terms::Zero(), Terms::Zero(), Terms::Zero(),
                                            Terms::Zero(), Terms::Zero()};
+  Eigen::Array<double, kUpper, 1> agreement_ = Eigen::Array<double, kUpper, 1>::Zero();
   std::array<Vector6, kDegree + 1> gradient_{Vector6::Zero(), Vector6::Zero(), Vector6::Zero()};
 };
 

@@ -106,16 +106,17 @@ Strictness Solver::strictnessAt(int iteration) const {
 /// direction weigh less.
 bool Solver::weigh(const Correspondence& match, const Eigen::Vector3f& normal, double kernel_m,
                    WeightedResidual& r) const {
-  const Vector3 target_normal = match.normal.cast<double>();
-  const double cosine = std::clamp(target_normal.dot(normal.cast<double>()), -1.0, 1.0);
-  const double agreement = std::abs(cosine);
+  r.n = normal.cast<double>();
+  r.n_target = match.normal.cast<double>();
+  const double cosine = std::clamp(r.n_target.dot(r.n), -1.0, 1.0);
+  if (cosine < 0.0) r.n = -r.n;
   if (params_.metric == RegistrationMetric::kPlane) {
-    r.b = target_normal;
+    r.b = r.n_target;
     r.weight_normal = 1.0;
   } else {
     const double delta = params_.plane_thickness;
-    r.b = (target_normal + std::copysign(1.0, cosine) * normal.cast<double>()).normalized();
-    r.weight_normal = 2.0 * delta / (2.0 - (1.0 - delta) * (1.0 + agreement)) - delta;
+    r.b = (r.n_target + r.n).normalized();
+    r.weight_normal = 2.0 * delta / (2.0 - (1.0 - delta) * (1.0 + std::abs(cosine))) - delta;
   }
   r.along_normal = r.b.dot(r.e);
   const double ratio = r.along_normal / kernel_m;
@@ -215,9 +216,8 @@ System Solver::buildSystem(const Iterate& at, const NormalEquations& sums) {
   const Matrix6 mass = sums.massMatrix() / sums.weight + kMassFloor * Matrix6::Identity();
   const Matrix6 L = mass.llt().matrixL();
   system.S = L.transpose().inverse();
-  degeneracy_ =
-      findDegeneracy(system.S.transpose() * sums.normalHessian() * system.S / sums.normal_weight,
-                     params_.min_observed_share);
+  degeneracy_ = findDegeneracy(system.S.transpose() * sums.agreement() * system.S / sums.weight,
+                               params_.min_observed_share);
   addData(sums, system);
   addPosePrior(at, system);
   addMotionPrior(at, system);

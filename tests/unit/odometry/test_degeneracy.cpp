@@ -22,6 +22,13 @@ TEST(Degeneracy, NothingIsWeakInAWellConstrainedProblem) {
   EXPECT_TRUE(found.projector.isIdentity(1e-15));
 }
 
+TEST(Degeneracy, TellsTheSmallestShareAndCanBeSwitchedOff) {
+  const Matrix6 H = (Vector6() << 0.3, 0.2, -0.001, 0.3, 0.4, 0.5).finished().asDiagonal();
+  EXPECT_NEAR(findDegeneracy(H, 0.01).smallest_share, -0.001, 1e-15);
+  EXPECT_EQ(findDegeneracy(H, 0.01).directions.cols(), 1);
+  EXPECT_FALSE(findDegeneracy(H, 0.0).any());
+}
+
 TEST(Degeneracy, NoInformationLeavesNoDirectionObserved) {
   EXPECT_EQ(findDegeneracy(Matrix6::Zero(), 0.01).directions.cols(), 6);
 }

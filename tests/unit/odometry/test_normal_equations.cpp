@@ -15,8 +15,15 @@ std::vector<WeightedResidual> randomResiduals(int count) {
   const auto vector = [&] { return Vector3(normal(random), normal(random), normal(random)); };
   std::vector<WeightedResidual> all;
   for (int i = 0; i < count; ++i) {
-    WeightedResidual r{vector(),      vector(),       vector().normalized(), 0,
-                       0.7 + 0.1 * i, 0.3 + 0.05 * i, 0.02 * i - 0.05};
+    WeightedResidual r{vector(),
+                       vector(),
+                       vector().normalized(),
+                       vector().normalized(),
+                       vector().normalized(),
+                       0,
+                       0.7 + 0.1 * i,
+                       0.3 + 0.05 * i,
+                       0.02 * i - 0.05};
     r.along_normal = r.b.dot(r.e);
     all.push_back(r);
   }
@@ -50,6 +57,18 @@ TEST(NormalEquations, SumsEqualTheirDefinitions) {
       EXPECT_LT((first.gradient(order) - g).norm(), 1e-12 * (1 + g.norm())) << "order " << order;
     }
   }
+}
+
+TEST(NormalEquations, AgreementIsTheSymmetricProductOfBothNormals) {
+  Matrix6 expected = Matrix6::Zero();
+  NormalEquations sums(false, kIsotropy);
+  for (const WeightedResidual& r : randomResiduals(7)) {
+    sums.add(r);
+    const auto A = jacobian(r.s);
+    const Matrix6 product = A.transpose() * r.n * r.n_target.transpose() * A;
+    expected += 0.5 * r.weight * (product + product.transpose());
+  }
+  EXPECT_LT((sums.agreement() - expected).norm(), 1e-12 * expected.norm());
 }
 
 /// A dθ-first perturbation of the pose and of the motion moves a point as the sums assume.

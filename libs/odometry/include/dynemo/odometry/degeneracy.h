@@ -18,9 +18,9 @@ struct Degeneracy {
 };
 
 /// In coordinates whose norm is the root mean square displacement of the points, the eigenvalues of
-/// the mean Hessian are the shares of that displacement along the normals, 0 to 1 (after Zhang,
-/// Kaess, Singh, "On degeneracy of optimization-based state estimation problems", ICRA 2016).
-/// Directions with a share below `min_share` are unobserved.
-Degeneracy findDegeneracy(const Matrix6& normalized_hessian, double min_share);
+/// the mean Hessian are the shares of the displacement's square along the normals, up to 1 (after
+/// Zhang, Kaess, Singh, "On degeneracy of optimization-based state estimation problems", ICRA
+/// 2016). Directions with a share below `min_share` are unobserved; 0 takes all as observed.
+Degeneracy findDegeneracy(const Matrix6& mean_hessian, double min_share);
 
 }  // namespace dynemo
