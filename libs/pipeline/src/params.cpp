@@ -7,6 +7,7 @@ void fields(FieldVisitor& v, RobotOdometryParams& p) {
            "The rawlog's when it carries any, always the rawlog's, or estimated from the scans");
   v.section("noise", p.noise, "How uncertain the odometry between two keyframes is");
   v.section("lidar", p.lidar, "Odometry estimated from the scans");
+  v.section("agents", p.agents, "What becomes of points on agents in LiDAR odometry");
 }
 
 void fields(FieldVisitor& v, DynemoParams& p) {

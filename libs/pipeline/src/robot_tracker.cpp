@@ -35,36 +35,45 @@ void RobotTracker::useCache(FrontEndCache& cache) {
   if (scan_odometry_) scan_odometry_ = cache.wrap(std::move(scan_odometry_));
 }
 
-void RobotTracker::estimate(SensorFrame& frame) {
-  if (scan_odometry_ && frame.scan) estimateFromScan(frame);
+void RobotTracker::predict(SensorFrame& frame) {
+  if (!scan_odometry_ || !frame.scan) return;
+  log_odometry_ = frame.odometry;
+  predicted_ = true;
+  setOdometry(frame, scan_motion_);
 }
 
-void RobotTracker::estimateFromScan(SensorFrame& frame) {
+void RobotTracker::estimate(SensorFrame& frame, std::span<const std::uint32_t> ignored) {
+  if (scan_odometry_ && frame.scan) estimateFromScan(frame, ignored);
+}
+
+void RobotTracker::setOdometry(SensorFrame& frame, const std::optional<Motion>& motion) {
+  const auto at = [&](Stamp stamp) {
+    return motion ? std::optional(motion->at(stamp)) : std::nullopt;
+  };
+  frame.odometry = at(frame.stamp);
+  for (CameraImage& image : frame.images) image.odometry = at(image.stamp);
+  for (ExternalDetection& detection : frame.detections) detection.odometry = at(detection.stamp);
+}
+
+void RobotTracker::estimateFromScan(SensorFrame& frame, std::span<const std::uint32_t> ignored) {
   if (!T_level_odom_) {
     const auto planes = planeExtractors().make(plane_params_.extractor, plane_params_);
     const auto ground = findGround(planes->extract(*frame.scan), Matrix3::Identity());
     T_level_odom_ = ground ? Pose3(levelling(*ground), Vector3::Zero()) : Pose3();
   }
   motion_.reset();
-  const auto estimate = scan_odometry_->update(*frame.scan, frame.odometry);
-  frame.odometry.reset();
-  for (CameraImage& image : frame.images) image.odometry.reset();
-  for (ExternalDetection& detection : frame.detections) detection.odometry.reset();
+  const auto log_odometry = predicted_ ? log_odometry_ : frame.odometry;
+  predicted_ = false;
+  const auto estimate = scan_odometry_->update(*frame.scan, log_odometry, ignored);
   if (!estimate) {
+    setOdometry(frame, std::nullopt);
     ++warnings_["LiDAR odometry: " + toString(estimate.error())];
     scan_covariance_.reset();
     return;
   }
   motion_ = estimate->motion;
-  const Pose3 T_odom_base = *T_level_odom_ * estimate->T_odom_base;
-  frame.odometry = OdometryState{T_odom_base, std::nullopt};
-  const auto carriedTo = [&](Stamp stamp) {
-    const Pose3 T_base_then(estimate->motion.at(secondsBetween(frame.stamp, stamp)));
-    return OdometryState{T_odom_base * T_base_then, std::nullopt};
-  };
-  for (CameraImage& image : frame.images) image.odometry = carriedTo(image.stamp);
-  for (ExternalDetection& detection : frame.detections)
-    detection.odometry = carriedTo(detection.stamp);
+  scan_motion_ = Motion{frame.stamp, *T_level_odom_ * estimate->T_odom_base, estimate->motion};
+  setOdometry(frame, scan_motion_);
   if (scan_covariance_) {
     const Matrix6 A = composeJacobianLeft(estimate->T_prev_base);
     scan_covariance_ = A * *scan_covariance_ * A.transpose() + estimate->covariance;

@@ -13,6 +13,7 @@ SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& model
     : mrpt::system::COutputLogger("dynemo"),
       params_(params),
       tracker_(params.odometry, rawlog_odometry, params.perception.planes),
+      agent_points_(params.odometry.agents),
       plane_extractor_(
           planeExtractors().make(params.perception.planes.extractor, params.perception.planes)),
       policy_(params.keyframes),
@@ -34,8 +35,7 @@ void SlamPipeline::useCache(FrontEndCache& cache) {
 void SlamPipeline::process(SensorFrame frame, FrameTiming& timing) {
   // Front-end: the robot's motion, the entities in view, and whether the situation changed (Sec.
   // III).
-  estimateMotion(frame, timing);
-  auto observations = detect(frame, timing);
+  auto observations = look(frame, timing);
   const RobotState robot = locate(frame, observations, timing);
   const std::uint32_t reasons = decide(frame, robot, observations, timing);
 
@@ -48,9 +48,23 @@ void SlamPipeline::process(SensorFrame frame, FrameTiming& timing) {
   record(frame, robot);
 }
 
-void SlamPipeline::estimateMotion(SensorFrame& frame, FrameTiming& timing) {
+std::vector<EntityObservation> SlamPipeline::look(SensorFrame& frame, FrameTiming& timing) {
+  if (!params_.odometry.agents.left_out) {
+    estimateMotion(frame, {}, timing);
+    return detect(frame, timing);
+  }
+  tracker_.predict(frame);
+  auto observations = detect(frame, timing);
+  estimateMotion(frame, agent_points_.of(frame, observations), timing);
+  if (frame.odometry)
+    agent_points_.remember(frame.stamp, frame.odometry->T_odom_base, observations);
+  return observations;
+}
+
+void SlamPipeline::estimateMotion(SensorFrame& frame, const PointIndices& ignored,
+                                  FrameTiming& timing) {
   const ScopedStage stage(timing, Stage::kOdometry);
-  tracker_.estimate(frame);
+  tracker_.estimate(frame, ignored);
 }
 
 std::vector<EntityObservation> SlamPipeline::detect(const SensorFrame& frame, FrameTiming& timing) {

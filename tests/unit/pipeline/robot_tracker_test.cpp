@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <numeric>
 
 #include "dynemo/core/error.h"
 #include "frames.h"
@@ -157,6 +158,35 @@ TEST(RobotTracker, SweepsAreStraightenedByTheRecordedMotion) {
     EXPECT_LT(largestError(still), 0.01);
     EXPECT_EQ(still.cloud.size(), frame.scan->cloud.size());
   }
+}
+
+TEST(RobotTracker, PredictsWhereTheNextScanIsTaken) {
+  RobotTracker tracker(withSource(OdometrySource::kLidar), true);
+  for (int i = 0; i <= 4; ++i) {
+    SensorFrame frame = scanFrame(0.1 * i, Pose3::translation(0.1 * i, 0, 0));
+    tracker.estimate(frame);
+  }
+  SensorFrame next = scanFrame(0.5, Pose3::translation(0.5, 0, 0));
+  next.odometry = OdometryState{Pose3::translation(100, 0, 0), std::nullopt};
+  next.images.resize(1);
+  next.images[0].stamp = at(0.52);
+  tracker.predict(next);
+  constexpr double kTolerance_m = 0.01;
+  ASSERT_TRUE(next.odometry && next.images[0].odometry);
+  EXPECT_NEAR(next.odometry->T_odom_base.t.x(), 0.5, kTolerance_m);
+  EXPECT_NEAR(next.images[0].odometry->T_odom_base.t.x(), 0.52, kTolerance_m);
+  tracker.estimate(next);
+  EXPECT_NEAR(next.odometry->T_odom_base.t.x(), 0.5, kTolerance_m);
+}
+
+TEST(RobotTracker, IgnoredPointsTakeNoPart) {
+  RobotTracker tracker(withSource(OdometrySource::kLidar), false);
+  SensorFrame frame = scanFrame(0, Pose3());
+  PointIndices all(frame.scan->cloud.size());
+  std::iota(all.begin(), all.end(), 0U);
+  tracker.estimate(frame, all);
+  EXPECT_FALSE(frame.odometry);
+  EXPECT_EQ(tracker.warnings().size(), 1U) << "too few points";
 }
 
 TEST(RobotTracker, LidarOdometryStartsLevel) {

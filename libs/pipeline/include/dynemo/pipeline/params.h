@@ -13,6 +13,7 @@
 #include "dynemo/mapping/odometry_noise.h"
 #include "dynemo/odometry/odometry_params.h"
 #include "dynemo/perception/perception_params.h"
+#include "dynemo/pipeline/agent_points.h"
 
 namespace dynemo {
 
@@ -26,6 +27,7 @@ struct RobotOdometryParams {
   OdometrySource source = OdometrySource::kAuto;
   OdometryNoiseParams noise;
   OdometryParams lidar;
+  AgentPointsParams agents;
 };
 void fields(FieldVisitor& v, RobotOdometryParams& p);
 

@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,9 +28,13 @@ class RobotTracker {
   /// Records or replays the LiDAR odometry, where there is any; before the first frame.
   void useCache(FrontEndCache& cache);
 
+  /// Before estimate(), for those who must look at the frame first: with LiDAR odometry, replaces
+  /// the frame's, its images' and detections' odometry by what the motion so far makes expect.
+  void predict(SensorFrame& frame);
+
   /// First step of a frame: with LiDAR odometry, replaces the frame's and its images' odometry by
-  /// the estimate, carried to each stamp.
-  void estimate(SensorFrame& frame);
+  /// the estimate, carried to each stamp. The scan's points at `ignored`, ascending, take no part.
+  void estimate(SensorFrame& frame, std::span<const std::uint32_t> ignored = {});
 
   /// Second step, when the entities are detected: T_odom_base of the frame. Where there is no
   /// odometry the mapped entities in view tell where the robot is, else it is taken to stand still.
@@ -48,13 +53,30 @@ class RobotTracker {
   const std::map<std::string, std::uint64_t>& warnings() const { return warnings_; }
 
  private:
-  void estimateFromScan(SensorFrame& frame);
+  /// The base at one stamp and its motion from there on.
+  struct Motion {
+    Stamp stamp;
+    Pose3 T_odom_base;
+    SweepMotion motion;
+
+    OdometryState at(Stamp other) const {
+      return {T_odom_base * motion.at(secondsBetween(stamp, other)), std::nullopt};
+    }
+  };
+
+  void estimateFromScan(SensorFrame& frame, std::span<const std::uint32_t> ignored);
+  static void setOdometry(SensorFrame& frame, const std::optional<Motion>& motion);
 
   RobotOdometryParams params_;
   PlaneParams plane_params_;
   std::unique_ptr<ScanOdometry> scan_odometry_;
   std::optional<Pose3>
       T_level_odom_;  ///< LiDAR odometry starts with the base's axes, not with level ones
+  /// Of the last scan that fitted.
+  std::optional<Motion> scan_motion_;
+  /// The log's odometry of a frame whose odometry has been predicted.
+  std::optional<OdometryState> log_odometry_;
+  bool predicted_ = false;
   std::optional<Pose3> last_T_odom_base_;
   Stamp last_stamp_;
   std::optional<SweepMotion> motion_;  ///< during the present sweep

@@ -69,7 +69,10 @@ class SlamPipeline : public mrpt::system::COutputLogger {
     Pose3 T_map_base;  ///< predicted from the odometry and the drift so far
   };
 
-  void estimateMotion(SensorFrame& frame, FrameTiming& timing);
+  /// The robot's motion and the entities in view: in this order, except where the motion is to be
+  /// found without the points on agents.
+  std::vector<EntityObservation> look(SensorFrame& frame, FrameTiming& timing);
+  void estimateMotion(SensorFrame& frame, const PointIndices& ignored, FrameTiming& timing);
   std::vector<EntityObservation> detect(const SensorFrame& frame, FrameTiming& timing);
   RobotState locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations,
                     FrameTiming& timing);
@@ -93,6 +96,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
 
   DynemoParams params_;
   RobotTracker tracker_;
+  AgentPoints agent_points_;
   std::vector<std::unique_ptr<EntityDetector>> detectors_;
   std::unique_ptr<PlaneExtractor> plane_extractor_;
   KeyframePolicy policy_;
