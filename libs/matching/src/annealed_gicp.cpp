@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "dynemo/matching/assess_match.h"
 #include "dynemo/core/noise.h"
+#include "dynemo/matching/assess_match.h"
 #include "dynemo/odometry/registration.h"
 #include "dynemo/odometry/worker_pool.h"
 
@@ -74,8 +74,8 @@ Expected<ScanMatch, MatchFailure> AnnealedGicp::match(const MatchScan& target,
   }
   const auto fine = registerScan(source.surface(), target.target(), prior, params_.fine, here);
   if (!fine) return make_unexpected(matchFailureOf(fine.error()));
-  return assessMatch(target, source, fine->T_target_base,
-                     iterations + fine->diagnostics.iterations, assessment_);
+  return assessMatch(target, source, fine->T_target_base, iterations + fine->diagnostics.iterations,
+                     assessment_);
 }
 
 }  // namespace

@@ -1,5 +1,7 @@
 #include "dynemo/matching/assess_match.h"
 
+#include <algorithm>
+
 #include "dynemo/odometry/registration.h"
 #include "dynemo/odometry/worker_pool.h"
 
@@ -13,6 +15,13 @@ RegistrationParams strictly(const AssessmentParams& params) {
   strict.min_residual_m = params.min_residual_m;
   strict.min_observed_share = params.min_eigenvalue;
   return strict;
+}
+
+double contradiction(const MatchScan& target, const MatchScan& source,
+                     const Pose3& T_target_source) {
+  return std::max(
+      target.seenSpace().contradicted(source.surface().points, T_target_source),
+      source.seenSpace().contradicted(target.surface().points, T_target_source.inverse()));
 }
 
 }  // namespace
@@ -29,8 +38,11 @@ Expected<ScanMatch, MatchFailure> assessMatch(const MatchScan& target, const Mat
   if (!found) return make_unexpected(MatchFailure::kNoOverlap);
   const OdometryDiagnostics& d = found->diagnostics;
   if (d.overlap < params.min_overlap) return make_unexpected(MatchFailure::kNoOverlap);
-  if (d.degenerate_directions.cols() > 0) return make_unexpected(MatchFailure::kDegenerate);
   ScanMatch match;
+  match.contradiction = contradiction(target, source, T_target_source);
+  if (match.contradiction > params.max_contradiction)
+    return make_unexpected(MatchFailure::kContradicted);
+  if (d.degenerate_directions.cols() > 0) return make_unexpected(MatchFailure::kDegenerate);
   match.T_target_source = T_target_source;
   match.covariance = found->covariance.topLeftCorner<6, 6>();
   match.overlap = d.overlap;

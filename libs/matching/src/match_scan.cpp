@@ -18,20 +18,25 @@ double meanRange(const SurfacePoints& surface) {
 }  // namespace
 
 struct MatchScan::Content {
-  Content(SurfacePoints points, double leaf)
-      : surface(std::move(points)), leaf_m(leaf), mean_range_m(meanRange(surface)) {}
+  Content(SurfacePoints points, const Eigen::Vector3f& sensor_base, double leaf)
+      : surface(std::move(points)),
+        sensor(sensor_base),
+        leaf_m(leaf),
+        mean_range_m(meanRange(surface)) {}
 
   SurfacePoints surface;
+  Eigen::Vector3f sensor;  ///< in the base frame
   double leaf_m;
   double mean_range_m;
-  mutable std::once_flag tree_built;
+  mutable std::once_flag tree_built, space_built;
   mutable std::unique_ptr<const KdTreeTarget> tree;
+  mutable std::unique_ptr<const SeenSpace> space;
 };
 
 MatchScan::MatchScan(const Scan& scan, const SurfaceParams& params) {
   WorkerPool here(1);
   content_ = std::make_shared<const Content>(extractSurface(scan, {}, 0.0, {}, {}, params, here),
-                                             params.leaf_m);
+                                             scan.T_base_lidar.t.cast<float>(), params.leaf_m);
 }
 
 MatchScan MatchScan::without(const Scan& scan, std::span<const std::uint32_t> removed) const {
@@ -49,7 +54,8 @@ MatchScan MatchScan::without(const Scan& scan, std::span<const std::uint32_t> re
     kept.points.push_back(p);
     kept.normals.push_back(surface().normals[i]);
   }
-  return MatchScan(std::make_shared<const Content>(std::move(kept), content_->leaf_m));
+  return MatchScan(
+      std::make_shared<const Content>(std::move(kept), content_->sensor, content_->leaf_m));
 }
 
 const SurfacePoints& MatchScan::surface() const { return content_->surface; }
@@ -61,6 +67,13 @@ const RegistrationTarget& MatchScan::target() const {
     content_->tree = std::make_unique<const KdTreeTarget>(content_->surface);
   });
   return *content_->tree;
+}
+
+const SeenSpace& MatchScan::seenSpace() const {
+  std::call_once(content_->space_built, [this] {
+    content_->space = std::make_unique<const SeenSpace>(content_->surface.points, content_->sensor);
+  });
+  return *content_->space;
 }
 
 }  // namespace dynemo

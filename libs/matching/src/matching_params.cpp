@@ -8,13 +8,18 @@ AnnealedGicpParams::AnnealedGicpParams() {
   coarse.annealing = 0.8;
   coarse.translation_tolerance_m = 5e-3;
   coarse.rotation_tolerance_rad = 1e-3;
-  fine.min_correspondence_m = 0.2;
+  coarse.min_observed_share = fine.min_observed_share = 0.003;
+  fine.min_correspondence_m = 0.3;
   fine.kernel_m = 0.045;
   fine.translation_tolerance_m = 2e-4;
   fine.rotation_tolerance_rad = 5e-5;
 }
 
-MatchingParams::MatchingParams() { scan.leaf_m = 0.2; }
+MatchingParams::MatchingParams() {
+  scan.leaf_m = 0.2;
+  // Fits across a corner lean towards the sensor in both scans, as if the place had such surfaces.
+  scan.max_flatness = 0.03;
+}
 
 void fields(FieldVisitor& v, MrptIcpParams& p) {
   v.number("leaf_m", p.leaf_m, "Edge of the cubes in which one point is kept", {0.01, 10.0});
@@ -40,8 +45,8 @@ void fields(FieldVisitor& v, MrptIcpParams& p) {
 void fields(FieldVisitor& v, AnnealedGicpParams& p) {
   v.section("coarse", p.coarse, "While correspondences may be far apart");
   v.section("fine", p.fine, "From fine_correspondence_m to the end");
-  v.integer("coarse_stride", p.coarse_stride, "The coarse registration takes every so manieth point",
-            Range::between(1, 100));
+  v.integer("coarse_stride", p.coarse_stride,
+            "The coarse registration takes every so manieth point", Range::between(1, 100));
   v.number("max_correspondence_m", p.max_correspondence_m,
            "Upper limit of the first correspondence distance, which is three times the guess's "
            "uncertainty",
@@ -74,12 +79,16 @@ void fields(FieldVisitor& v, AssessmentParams& p) {
   v.number("overlap_m", p.overlap_m,
            "Points with a point of the other scan as near as this are in the overlap",
            Range::positive());
-  v.number("inlier_m", p.inlier_m,
-           "Of these, points as close as this along the normal are inliers", Range::positive());
+  v.number("inlier_m", p.inlier_m, "Of these, points as close as this along the normal are inliers",
+           Range::positive());
   v.number("min_overlap", p.min_overlap, "Scans with a smaller overlap have no match",
            Range::between(0.0, 1.0));
   v.number("min_eigenvalue", p.min_eigenvalue,
            "Scans with a smaller eigenvalue of the mean Hessian are degenerate",
+           Range::between(0.0, 1.0));
+  v.number("max_contradiction", p.max_contradiction,
+           "A match that puts a larger share of one scan's points where the other's sensor looked "
+           "through is wrong",
            Range::between(0.0, 1.0));
   v.number("min_residual_m", p.min_residual_m,
            "Lower limit of the residual's standard deviation in the covariance", Range::positive());

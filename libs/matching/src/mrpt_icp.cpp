@@ -7,8 +7,8 @@
 
 #include <mutex>
 
-#include "dynemo/matching/assess_match.h"
 #include "dynemo/core/mrpt_conversions.h"
+#include "dynemo/matching/assess_match.h"
 #include "dynemo/odometry/cell_index.h"
 
 namespace dynemo {
@@ -77,6 +77,7 @@ Expected<ScanMatch, MatchFailure> MrptIcp::match(const MatchScan& target, const 
     // MRPT's way to say that the correspondences do not make a pose.
     return make_unexpected(MatchFailure::kNotConverged);
   }
+  if (!(info.goodness > 0.0)) return make_unexpected(MatchFailure::kNoOverlap);
   return assessMatch(target, source, fromMrpt(found), static_cast<int>(info.nIterations),
                      assessment_);
 }

@@ -27,6 +27,8 @@ std::string toString(MatchFailure failure) {
       return "not converged";
     case MatchFailure::kDegenerate:
       return "degenerate";
+    case MatchFailure::kContradicted:
+      return "contradicted by free space";
   }
   return "unknown failure";
 }

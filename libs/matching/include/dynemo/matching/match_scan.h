@@ -6,6 +6,7 @@
 #include <span>
 
 #include "dynemo/core/point_cloud.h"
+#include "dynemo/matching/seen_space.h"
 #include "dynemo/odometry/registration_target.h"
 #include "dynemo/odometry/surface_points.h"
 
@@ -29,6 +30,8 @@ class MatchScan {
   /// Its points as what another scan is matched to; the search structure is built by the first
   /// call.
   const RegistrationTarget& target() const;
+  /// How far the sensor saw in each direction; made by the first call.
+  const SeenSpace& seenSpace() const;
 
  private:
   struct Content;

@@ -51,7 +51,7 @@ struct PclNdtParams {
   double step_m = 0.1;
   double outlier_ratio = 0.55;
   int max_iterations = 50;
-  double tolerance = 1e-3;
+  double tolerance = 1e-4;
 };
 void fields(FieldVisitor& v, PclNdtParams& p);
 
@@ -60,7 +60,8 @@ struct AssessmentParams {
   double overlap_m = 0.3;
   double inlier_m = 0.05;
   double min_overlap = 0.1;
-  double min_eigenvalue = 0.01;
+  double min_eigenvalue = 0.003;
+  double max_contradiction = 0.15;
   double min_residual_m = 0.005;
 };
 void fields(FieldVisitor& v, AssessmentParams& p);
@@ -69,8 +70,8 @@ struct MatchingParams {
   std::vector<std::string> chain = {"mrpt_icp", "annealed_gicp"};
   SurfaceParams scan;
   int min_points = 100;
-  double refined_translation_sigma_m = 0.1;
-  double refined_rotation_sigma_rad = 0.02;
+  double refined_translation_sigma_m = 0.2;
+  double refined_rotation_sigma_rad = 0.04;
   double yaw_step_rad = 0.5;
   double max_single_sigma_rad = 0.4;
   MrptIcpParams mrpt_icp;

@@ -40,6 +40,9 @@ struct ScanMatch {
   /// Smallest eigenvalue of the mean Hessian in coordinates whose norm is the points' displacement:
   /// the share of a displacement that shows along the normals, in the direction where least does.
   double min_eigenvalue = 0.0;
+  /// Share of points that lie where the other scan's sensor looked through, the larger of both
+  /// directions, in [0, 1].
+  double contradiction = 1.0;
   int iterations = 0;
 
   /// Share of the source's points that are explained.
@@ -51,7 +54,8 @@ enum class MatchFailure : std::uint8_t {
   kTooFewPoints,
   kNoOverlap,
   kNotConverged,
-  kDegenerate,  ///< the scans do not tell all six directions
+  kDegenerate,    ///< the scans do not tell all six directions
+  kContradicted,  ///< surfaces of one scan are where the other's sensor looked through
 };
 std::string toString(MatchFailure failure);
 
