@@ -42,6 +42,29 @@ void writeFileAtomically(const fs::path& file, const std::string& content) {
   }
 }
 
+void writeFolderAtomically(const fs::path& folder,
+                           const std::map<std::string, std::string>& files) {
+  if (fs::exists(folder) && !fs::is_directory(folder))
+    throw DataError(folder.string() + ": cannot be replaced: is not a folder");
+  const fs::path temporary = folder.string() + ".part";
+  std::error_code failure, ignored;
+  fs::remove_all(temporary, ignored);
+  fs::create_directory(temporary, failure);
+  if (failure) throw DataError(folder.string() + ": cannot be created: " + failure.message());
+  try {
+    for (const auto& [name, content] : files) writeFileAtomically(temporary / name, content);
+  } catch (const DataError& e) {
+    fs::remove_all(temporary, ignored);
+    throw DataError(folder.string() + ": " + e.what());
+  }
+  fs::remove_all(folder, failure);
+  if (!failure) fs::rename(temporary, folder, failure);
+  if (failure) {
+    fs::remove_all(temporary, ignored);
+    throw DataError(folder.string() + ": cannot be replaced: " + failure.message());
+  }
+}
+
 std::string exactNumber(double value) {
   char buffer[64];
   const auto result = std::to_chars(buffer, buffer + sizeof(buffer), value);

@@ -142,7 +142,7 @@ const std::vector<EdgeId>& CSceneGraph::edgesOf(NodeId node) const {
   return edges_of_node_.at(node.value);
 }
 
-double CSceneGraph::edgeCost(const CEdgeBase& edge) const {
+double CSceneGraph::squaredError(const CEdgeBase& edge) const {
   std::array<std::array<double, 16>, kMaxEdgeNodes> states;
   std::array<const double*, kMaxEdgeNodes> pointers{};
   for (std::size_t i = 0; i < edge.nodes.size(); ++i) {
@@ -151,7 +151,11 @@ double CSceneGraph::edgeCost(const CEdgeBase& edge) const {
   }
   Residual e;
   edge.evaluate(std::span(pointers.data(), edge.nodes.size()), e, nullptr);
-  return 0.5 * edge.kernel((edge.sqrtInformation() * e).squaredNorm()).rho;
+  return (edge.sqrtInformation() * e).squaredNorm();
+}
+
+double CSceneGraph::edgeCost(const CEdgeBase& edge) const {
+  return 0.5 * edge.kernel(squaredError(edge)).rho;
 }
 
 double CSceneGraph::totalCost() const {

@@ -22,6 +22,8 @@ namespace {
 constexpr std::uint32_t kMaxPoints = 50'000'000;
 constexpr const char* kScanHeader = "dynemo scan 1";
 constexpr const char* kSessionHeader = "dynemo session 1";
+constexpr const char* kPosesHeader = "dynemo poses 1";
+constexpr std::uint32_t kMaxPoses = 1'000'000'000;
 
 std::string toBytes(const std::function<void(CArchive&)>& write) {
   mrpt::io::CMemoryStream memory;
@@ -121,6 +123,62 @@ Scan getScan(CArchive& in) {
   return scan;
 }
 
+void putFrames(CArchive& out, const std::vector<FramePose>& frames) {
+  out.WriteAs<std::uint32_t>(frames.size());
+  for (const FramePose& frame : frames) {
+    out << frame.stamp.ns;
+    put(out, frame.T_odom_base);
+    put(out, frame.T_map_base);
+  }
+}
+
+std::vector<FramePose> getFrames(CArchive& in) {
+  std::vector<FramePose> frames;
+  const std::uint32_t n = getLength(in, kMaxPoses);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    FramePose& frame = frames.emplace_back();
+    in >> frame.stamp.ns;
+    get(in, frame.T_odom_base);
+    get(in, frame.T_map_base);
+  }
+  return frames;
+}
+
+void putCovariances(CArchive& out, const std::map<NodeId, Matrix6>& covariances) {
+  out.WriteAs<std::uint32_t>(covariances.size());
+  for (const auto& [node, covariance] : covariances) {
+    out << node.value;
+    for (int r = 0; r < 6; ++r)
+      for (int c = r; c < 6; ++c) out << covariance(r, c);
+  }
+}
+
+std::map<NodeId, Matrix6> getCovariances(CArchive& in) {
+  std::map<NodeId, Matrix6> covariances;
+  const std::uint32_t n = getLength(in, kMaxPoses);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    Matrix6& covariance = covariances[NodeId{in.ReadAs<std::uint64_t>()}];
+    for (int r = 0; r < 6; ++r)
+      for (int c = r; c < 6; ++c) {
+        getFinite(in, covariance(r, c));
+        covariance(c, r) = covariance(r, c);
+      }
+  }
+  return covariances;
+}
+
+void putPoses(CArchive& out, const std::vector<Pose3>& poses) {
+  out.WriteAs<std::uint32_t>(poses.size());
+  for (const Pose3& T : poses) put(out, T);
+}
+
+std::vector<Pose3> getPoses(CArchive& in) {
+  std::vector<Pose3> poses;
+  const std::uint32_t n = getLength(in, kMaxPoses);
+  for (std::uint32_t i = 0; i < n; ++i) get(in, poses.emplace_back());
+  return poses;
+}
+
 fs::path cloudFile(const fs::path& folder, NodeId keyframe) {
   char name[32];
   std::snprintf(name, sizeof(name), "%06llu.bin", static_cast<unsigned long long>(keyframe.value));
@@ -141,6 +199,12 @@ void saveSession(const Session& session, const fs::path& folder) {
                         toBytes([&](CArchive& out) { putScan(out, *keyframe->scan); }));
   }
   writeFileAtomically(folder / "config.yaml", session.config_yaml);
+  writeFileAtomically(folder / "poses.bin", toBytes([&](CArchive& out) {
+                        out << std::string(kPosesHeader);
+                        putFrames(out, session.frames);
+                        putCovariances(out, session.entity_covariances);
+                        putPoses(out, session.keyframes_without_closures);
+                      }));
   // Last, so that a graph on disk always has its clouds.
   writeFileAtomically(folder / "graph.bin", toBytes([&](CArchive& out) {
                         out << std::string(kSessionHeader) << session.graph;
@@ -163,12 +227,37 @@ Session loadSession(const fs::path& folder) {
       session.graph.setScan({id}, std::make_shared<const Scan>(getScan(in)));
     });
   }
+  if (fs::exists(folder / "poses.bin")) {
+    fromFile(folder / "poses.bin", [&](CArchive& in) {
+      expectHeader(in, kPosesHeader);
+      session.frames = getFrames(in);
+      session.entity_covariances = getCovariances(in);
+      session.keyframes_without_closures = getPoses(in);
+    });
+  }
   std::ifstream config(folder / "config.yaml", std::ios::binary);
   if (!config)
     throw DataError((folder / "config.yaml").string() + ": is missing or cannot be read");
   std::ostringstream text;
   text << config.rdbuf();
   session.config_yaml = text.str();
+  return session;
+}
+
+Session loadRunSession(const fs::path& folder) {
+  const auto holdsGraph = [](const fs::path& f) { return fs::exists(f / "graph.bin"); };
+  const fs::path inside = folder / "session";
+  if (!holdsGraph(inside) && !holdsGraph(folder)) {
+    throw DataError(folder.string() +
+                    ": holds no session/graph.bin; dynemo-slam writes it when `session` is among "
+                    "its outputs");
+  }
+  Session session = loadSession(holdsGraph(inside) ? inside : folder);
+  if (session.frames.empty()) {
+    for (const auto& keyframe : session.graph.keyframes()) {
+      session.frames.push_back({keyframe->stamp, keyframe->T_odom_base, keyframe->T_map_base()});
+    }
+  }
   return session;
 }
 

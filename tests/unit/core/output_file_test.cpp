@@ -63,6 +63,24 @@ TEST_F(OutputFile, AtomicWriteReplacesAndLeavesNothingBehind) {
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
 }
 
+TEST_F(OutputFile, AFolderIsReplacedAsAWhole) {
+  writeFolderAtomically(folder_ / "set", {{"a.txt", "1"}, {"b.txt", "2"}});
+  writeFolderAtomically(folder_ / "set", {{"a.txt", "3"}});
+  EXPECT_EQ(contentOf(folder_ / "set" / "a.txt"), "3");
+  EXPECT_FALSE(fs::exists(folder_ / "set" / "b.txt"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1);
+}
+
+TEST_F(OutputFile, AFailedFolderKeepsWhatWasThere) {
+  writeFolderAtomically(folder_ / "set", {{"a.txt", "1"}});
+  EXPECT_THROW(writeFolderAtomically(folder_ / "set", {{"no/b.txt", "2"}}), DataError);
+  EXPECT_EQ(contentOf(folder_ / "set" / "a.txt"), "1");
+  EXPECT_FALSE(fs::exists(folder_ / "set.part"));
+  writeFileAtomically(folder_ / "x.txt", "mine");
+  EXPECT_THROW(writeFolderAtomically(folder_ / "x.txt", {{"a.txt", "1"}}), DataError);
+  EXPECT_EQ(contentOf(folder_ / "x.txt"), "mine");
+}
+
 TEST_F(OutputFile, FailedAtomicWriteKeepsWhatWasThere) {
   fs::create_directories(folder_ / "x.txt" / "occupied");
   EXPECT_THROW(writeFileAtomically(folder_ / "x.txt", "text"), DataError);

@@ -50,6 +50,9 @@ class SessionTest : public testing::Test {
     edge->nodes = {{0}, {2}};
     delta.edges.push_back(edge);
     session_.graph.apply(delta);
+    session_.frames = {{{5}, randomPose(rng), randomPose(rng)}, {{7}, Pose3(), randomPose(rng)}};
+    session_.entity_covariances[{2}] = randomInformation(6, rng);
+    session_.keyframes_without_closures = {randomPose(rng), randomPose(rng), randomPose(rng)};
   }
   void TearDown() override { fs::remove_all(folder_); }
 
@@ -90,18 +93,42 @@ TEST_F(SessionTest, LoadsBackWithCloudsAndDrift) {
   EXPECT_EQ(loaded.graph.keyframes()[2]->scan->cloud.time_offset_s.size(), 4u);
 }
 
+TEST_F(SessionTest, LoadsBackFramesAndCovariancesExactly) {
+  saveSession(session_, folder_);
+  const Session loaded = loadSession(folder_);
+  ASSERT_EQ(loaded.frames.size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(loaded.frames[i].stamp, session_.frames[i].stamp);
+    EXPECT_EQ(loaded.frames[i].T_odom_base.R, session_.frames[i].T_odom_base.R);
+    EXPECT_EQ(loaded.frames[i].T_map_base.t, session_.frames[i].T_map_base.t);
+  }
+  EXPECT_EQ(loaded.entity_covariances, session_.entity_covariances);
+  ASSERT_EQ(loaded.keyframes_without_closures.size(), 3u);
+  EXPECT_EQ(loaded.keyframes_without_closures[2].t, session_.keyframes_without_closures[2].t);
+}
+
+TEST_F(SessionTest, ASessionWithoutPosesHasTheGraph) {
+  saveSession(session_, folder_);
+  fs::remove(folder_ / "poses.bin");
+  const Session loaded = loadSession(folder_);
+  EXPECT_EQ(loaded.graph.nodeCount(), 3u);
+  EXPECT_TRUE(loaded.frames.empty());
+  EXPECT_TRUE(loaded.entity_covariances.empty());
+}
+
 TEST_F(SessionTest, SavingWhatWasLoadedGivesTheSameBytes) {
   saveSession(session_, folder_);
   const fs::path again = folder_ / "again";
   saveSession(loadSession(folder_), again);
-  for (const char* file : {"graph.bin", "config.yaml", "clouds/000000.bin", "clouds/000002.bin"}) {
+  for (const char* file :
+       {"graph.bin", "poses.bin", "config.yaml", "clouds/000000.bin", "clouds/000002.bin"}) {
     EXPECT_EQ(bytesOf(folder_ / file), bytesOf(again / file)) << file;
   }
 }
 
 TEST_F(SessionTest, EveryTruncationIsAnErrorThatNamesTheFile) {
   saveSession(session_, folder_);
-  for (const char* name : {"graph.bin", "clouds/000002.bin"}) {
+  for (const char* name : {"graph.bin", "poses.bin", "clouds/000002.bin"}) {
     const std::string whole = bytesOf(folder_ / name);
     for (std::size_t length = 0; length < whole.size(); length += 7) {
       overwrite(folder_ / name, whole.substr(0, length));
@@ -115,13 +142,16 @@ TEST_F(SessionTest, EveryTruncationIsAnErrorThatNamesTheFile) {
 
 TEST_F(SessionTest, FlippedBytesNeverCrash) {
   saveSession(session_, folder_);
-  const std::string whole = bytesOf(folder_ / "graph.bin");
   std::mt19937 rng(9);
-  for (int i = 0; i < 300; ++i) {
-    std::string damaged = whole;
-    damaged[rng() % damaged.size()] = static_cast<char>(rng());
-    overwrite(folder_ / "graph.bin", damaged);
-    EXPECT_NO_FATAL_FAILURE(loadError());
+  for (const char* name : {"graph.bin", "poses.bin"}) {
+    const std::string whole = bytesOf(folder_ / name);
+    for (int i = 0; i < 300; ++i) {
+      std::string damaged = whole;
+      damaged[rng() % damaged.size()] = static_cast<char>(rng());
+      overwrite(folder_ / name, damaged);
+      EXPECT_NO_FATAL_FAILURE(loadError());
+    }
+    overwrite(folder_ / name, whole);
   }
 }
 
@@ -139,7 +169,7 @@ TEST_F(SessionTest, AnUnwritableFolderIsAnError) {
 
 TEST_F(SessionTest, AHeaderOfAbsurdLengthIsAnError) {
   saveSession(session_, folder_);
-  for (const char* name : {"graph.bin", "clouds/000002.bin"}) {
+  for (const char* name : {"graph.bin", "poses.bin", "clouds/000002.bin"}) {
     const std::string whole = bytesOf(folder_ / name);
     overwrite(folder_ / name, "\xff\xff\xff\xff" + whole.substr(4));
     EXPECT_NE(loadError().find("not plausible"), std::string::npos) << loadError();

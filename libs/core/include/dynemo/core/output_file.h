@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 
 namespace dynemo {
@@ -25,6 +26,12 @@ class AppendFile {
 /// Replaces `file` by `content` in one step (a temporary file beside it, renamed). Throws
 /// DataError, leaving an earlier version in place, when it cannot be written.
 void writeFileAtomically(const std::filesystem::path& file, const std::string& content);
+
+/// Replaces `folder` by one that holds exactly these files (content by name): complete or absent as
+/// above, but an earlier folder is gone for a moment. Throws DataError when it cannot be written,
+/// and when `folder` is something else than a folder.
+void writeFolderAtomically(const std::filesystem::path& folder,
+                           const std::map<std::string, std::string>& files);
 
 /// Shortest decimal text that reads back as the same double.
 std::string exactNumber(double value);

@@ -2,20 +2,11 @@
 
 #include <map>
 #include <span>
-#include <string>
 #include <vector>
 
-#include "dynemo/core/noise.h"
-#include "dynemo/graph/scene_graph.h"
+#include "dynemo/graph/session.h"
 
 namespace dynemo {
-
-/// One processed frame.
-struct FramePose {
-  Stamp stamp;
-  Pose3 T_odom_base;
-  Pose3 T_map_base;  ///< optimised
-};
 
 /// Everything a finished (or interrupted) run hands to the exporters. Not owned: valid while the
 /// pipeline is.
@@ -30,5 +21,11 @@ struct RunResult {
   /// Of plane nodes' tangents, when computed.
   const std::map<NodeId, Matrix3>* plane_covariances = nullptr;
 };
+
+/// A stored session as the run that wrote it; valid while the session is.
+inline RunResult resultOf(const Session& session) {
+  return {session.graph, session.frames, session.entity_covariances,
+          session.keyframes_without_closures};
+}
 
 }  // namespace dynemo

@@ -91,6 +91,8 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
 
   const Topology& topology() const { return topology_; }
 
+  /// eᵀΩe of one edge at the current estimates.
+  double squaredError(const CEdgeBase& edge) const;
   /// Cost ½ Σ ρ(eᵀΩe) of one edge at the current estimates.
   double edgeCost(const CEdgeBase& edge) const;
   double totalCost() const;

@@ -1,0 +1,44 @@
+#include "dynemo/query/query_params.h"
+#include "dynemo/query/session_difference.h"
+
+namespace dynemo {
+
+void fields(FieldVisitor& v, QueryParams& p) {
+  v.number("object_residence_s", p.object_residence_s,
+           "How long an object stays where it was put, before any was seen moving",
+           Range::positive());
+  v.number("missed_probability", p.missed_probability,
+           "How often the place of an object that is there looks empty in a scan",
+           Range::between(0.001, 0.5));
+  v.number("false_probability", p.false_probability,
+           "How often a place that an object has left looks occupied in a scan",
+           Range::between(0.001, 0.5));
+  v.integer("min_rays", p.min_rays, "Rays through a place that a scan takes to say anything of it",
+            Range::between(1, 100000));
+  v.number("max_range_m", p.max_range_m, "Scans from further away say nothing of a place",
+           Range::positive());
+  v.number("agent_speed_mps", p.agent_speed_mps,
+           "Agents: root mean square velocity along each horizontal axis", Range::positive());
+  v.number("agent_persistence_s", p.agent_persistence_s, "Agents: how long they keep a velocity",
+           Range::positive());
+  v.number("agent_near_m", p.agent_near_m,
+           "Agents: still there within this distance of where they are said to be",
+           Range::positive());
+  v.number("min_move_m", p.min_move_m, "Smaller displacements of an object are no move",
+           Range::nonNegative());
+  v.angle("min_move_deg", p.min_move_rad, "Smaller rotations of an object are no move",
+          Range::nonNegative());
+  v.number("same_move_s", p.same_move_s, "Moves that follow each other this soon are one",
+           Range::nonNegative());
+}
+
+void fields(FieldVisitor& v, DifferenceParams& p) {
+  v.number("max_distance_m", p.max_distance_m,
+           "Objects that agree with an alignment to this distance did not move", Range::positive());
+  v.angle("max_rotation_deg", p.max_rotation_rad, "and to this rotation", Range::positive());
+  v.integer("min_agreeing", p.min_agreeing, "Objects that must agree on an alignment",
+            Range::between(1, 100000));
+  v.section("query", p.query, "What is believed of entities while nobody looks at them");
+}
+
+}  // namespace dynemo
