@@ -11,3 +11,4 @@ install(FILES ${CMAKE_BINARY_DIR}/dynemoConfig.cmake ${CMAKE_BINARY_DIR}/dynemoC
   ${CMAKE_CURRENT_LIST_DIR}/DynemoDependencies.cmake ${CMAKE_CURRENT_LIST_DIR}/DynemoFindPcl.cmake
   ${CMAKE_CURRENT_LIST_DIR}/DynemoFindRosbag.cmake ${CMAKE_CURRENT_LIST_DIR}/DynemoFindSuiteSparse.cmake
   DESTINATION ${package_dir})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/share/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/dynemo)

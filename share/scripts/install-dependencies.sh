@@ -31,6 +31,9 @@ libraries=(
   libcli11-dev
   libexpected-dev
   librosbag-storage-dev libsensor-msgs-dev libnav-msgs-dev libtf2-msgs-dev # ROS 1 bags
+  libegl-mesa0 # renders pictures without a display
+  libgl1-mesa-dri
+  libjs-three # goes into the web page
 )
 run_time_tools=(gnuplot-nox) # figures of dynemo-ablation
 test_libraries=(libgtest-dev libbenchmark-dev libceres-dev)
@@ -38,6 +41,7 @@ test_libraries=(libgtest-dev libbenchmark-dev libceres-dev)
 test_programs=(
   mrpt-apps xvfb xdotool imagemagick tesseract-ocr tesseract-ocr-eng # RawLogViewer's window
   slurmctld slurmd slurm-client munge # dynemo-batch --slurm
+  python3 python3-jsonschema chromium-headless-shell # readers of exported files
 )
 packages=("${build_tools[@]}" "${packaging_tools[@]}" "${libraries[@]}" "${run_time_tools[@]}" "${test_libraries[@]}"
   "${test_programs[@]}")
@@ -84,6 +88,16 @@ esac
 
 command -v apt-get >/dev/null && command -v dpkg-query >/dev/null ||
   fail "this system has no apt-get; the packages of Debian 12 are needed: ${packages[*]}"
+
+# The Khronos validator for glTF is an npm package; where there is no npm its test is skipped.
+install_gltf_validator() {
+  command -v npm >/dev/null || return 0
+  [[ -d $(npm root -g)/gltf-validator ]] && return 0
+  as_root npm install --global --no-fund --no-audit gltf-validator@2.0.0-dev.3.10 ||
+    echo "gltf-validator could not be installed: its test will be skipped" >&2
+}
+
+$check_only || install_gltf_validator
 
 mapfile -t missing < <(missing_packages)
 if [[ ${#missing[@]} -eq 0 ]]; then

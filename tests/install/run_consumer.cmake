@@ -24,3 +24,15 @@ execute_process(COMMAND ${build}/consumer OUTPUT_VARIABLE output OUTPUT_STRIP_TR
 if(NOT output STREQUAL EXPECTED_OUTPUT)
   message(FATAL_ERROR "the consumer printed '${output}', not '${EXPECTED_OUTPUT}'")
 endif()
+
+# The example in share/examples, on a run of the installed program.
+set(example ${SCRATCH_DIR}/example)
+run(${CMAKE_COMMAND} -S ${EXAMPLE_DIR} -B ${example} -G ${GENERATOR}
+  -DCMAKE_CXX_COMPILER=${CXX_COMPILER} -DCMAKE_CXX_FLAGS=${sanitizer_flags} -DCMAKE_PREFIX_PATH=${prefix})
+run(${CMAKE_COMMAND} --build ${example})
+run(${prefix}/bin/dynemo-slam -q --entities ${SAMPLE}_entities.yaml --set outputs=[session]
+  --output ${SCRATCH_DIR}/run ${SAMPLE}.rawlog)
+execute_process(COMMAND ${example}/query_example ${SCRATCH_DIR}/run OUTPUT_VARIABLE output COMMAND_ERROR_IS_FATAL ANY)
+if(NOT output MATCHES "box 2 is at " OR NOT output MATCHES "box 1 was moved by ")
+  message(FATAL_ERROR "the example printed '${output}'")
+endif()

@@ -1,6 +1,7 @@
 // The covariance columns are those of the estimated pose's right tangent [x y z rx ry rz]
 // (core/se3.h): translation along the entity's own axes, rotation about them; m², m·rad, rad². They
 // are empty where the run computed none.
+#include "csv_text.h"
 #include "dynemo/core/output_file.h"
 #include "factories.h"
 #include "pose_text.h"
@@ -17,14 +18,6 @@ std::string header() {
   for (int r = 0; r < 6; ++r)
     for (int c = r + 1; c < 6; ++c) text += std::string(",cov_") + kAxes[r] + "_" + kAxes[c];
   return text + '\n';
-}
-
-/// Quoted as RFC 4180 asks when the text holds a separator.
-std::string csvText(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + '"';
 }
 
 std::string varianceColumns(const Matrix6* covariance) {
@@ -69,6 +62,8 @@ class EntitiesExporter : public Exporter {
 
 }  // namespace
 
-std::unique_ptr<Exporter> makeEntitiesExporter() { return std::make_unique<EntitiesExporter>(); }
+std::unique_ptr<Exporter> makeEntitiesExporter(const ExportParams&) {
+  return std::make_unique<EntitiesExporter>();
+}
 
 }  // namespace dynemo

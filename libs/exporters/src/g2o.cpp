@@ -78,6 +78,8 @@ class G2oExporter : public Exporter {
 
 }  // namespace
 
-std::unique_ptr<Exporter> makeG2oExporter() { return std::make_unique<G2oExporter>(); }
+std::unique_ptr<Exporter> makeG2oExporter(const ExportParams&) {
+  return std::make_unique<G2oExporter>();
+}
 
 }  // namespace dynemo

@@ -19,6 +19,8 @@ class KeyframesExporter : public Exporter {
 
 }  // namespace
 
-std::unique_ptr<Exporter> makeKeyframesExporter() { return std::make_unique<KeyframesExporter>(); }
+std::unique_ptr<Exporter> makeKeyframesExporter(const ExportParams&) {
+  return std::make_unique<KeyframesExporter>();
+}
 
 }  // namespace dynemo

@@ -225,6 +225,8 @@ class MapFigureExporter : public Exporter {
 
 }  // namespace
 
-std::unique_ptr<Exporter> makeMapFigureExporter() { return std::make_unique<MapFigureExporter>(); }
+std::unique_ptr<Exporter> makeMapFigureExporter(const ExportParams&) {
+  return std::make_unique<MapFigureExporter>();
+}
 
 }  // namespace dynemo

@@ -53,6 +53,8 @@ class MrptGraphExporter : public Exporter {
 
 }  // namespace
 
-std::unique_ptr<Exporter> makeMrptGraphExporter() { return std::make_unique<MrptGraphExporter>(); }
+std::unique_ptr<Exporter> makeMrptGraphExporter(const ExportParams&) {
+  return std::make_unique<MrptGraphExporter>();
+}
 
 }  // namespace dynemo

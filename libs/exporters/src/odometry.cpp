@@ -17,6 +17,8 @@ class OdometryExporter : public Exporter {
 
 }  // namespace
 
-std::unique_ptr<Exporter> makeOdometryExporter() { return std::make_unique<OdometryExporter>(); }
+std::unique_ptr<Exporter> makeOdometryExporter(const ExportParams&) {
+  return std::make_unique<OdometryExporter>();
+}
 
 }  // namespace dynemo

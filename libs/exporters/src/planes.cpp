@@ -60,6 +60,8 @@ class PlanesExporter : public Exporter {
 
 }  // namespace
 
-std::unique_ptr<Exporter> makePlanesExporter() { return std::make_unique<PlanesExporter>(); }
+std::unique_ptr<Exporter> makePlanesExporter(const ExportParams&) {
+  return std::make_unique<PlanesExporter>();
+}
 
 }  // namespace dynemo

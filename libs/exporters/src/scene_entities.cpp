@@ -6,49 +6,13 @@
 #include <algorithm>
 
 #include "dynemo/core/mrpt_conversions.h"
+#include "dynemo/query/entity_extent.h"
 #include "scene_style.h"
 
 namespace dynemo {
 namespace {
 
 using mrpt::opengl::CSetOfObjects;
-using Track = std::vector<std::shared_ptr<CNodeEntity>>;
-
-/// Corners of a box in the entity's frame.
-struct Extent {
-  Vector3 min = Vector3::Constant(-0.2), max = Vector3::Constant(0.2);
-};
-
-/// All fragments of an entity, in its own frame.
-std::vector<Vector3> fragmentPoints(const CSceneGraph& graph, const Track& track) {
-  std::vector<Vector3> points;
-  for (const auto& node : track) {
-    const auto* keyframe = graph.findNode<CNodeKeyframe>(node->keyframe);
-    if (!keyframe || !keyframe->scan) continue;
-    const Pose3 T_entity_lidar =
-        node->T_map_entity().inverse() * keyframe->T_map_base() * keyframe->scan->T_base_lidar;
-    for (const std::uint32_t i : node->fragment) {
-      if (i >= keyframe->scan->cloud.size()) continue;
-      points.push_back(T_entity_lidar * keyframe->scan->cloud.points[i].cast<double>());
-    }
-  }
-  return points;
-}
-
-/// The box that holds nearly all fragment points; outliers of the clustering are not worth drawing.
-Extent extentOf(std::vector<Vector3> points) {
-  constexpr std::size_t kFewest = 20;
-  Extent extent;
-  if (points.size() < kFewest) return extent;
-  const std::size_t tail = points.size() / 50;
-  for (int axis = 0; axis < 3; ++axis) {
-    std::sort(points.begin(), points.end(),
-              [axis](const Vector3& a, const Vector3& b) { return a[axis] < b[axis]; });
-    extent.min[axis] = points[tail][axis];
-    extent.max[axis] = points[points.size() - 1 - tail][axis];
-  }
-  return extent;
-}
 
 mrpt::opengl::CBox::Ptr box(const Pose3& T_map_entity, const Extent& extent,
                             const mrpt::img::TColor& color, bool wireframe) {
@@ -58,12 +22,6 @@ mrpt::opengl::CBox::Ptr box(const Pose3& T_map_entity, const Extent& extent,
   object->setBoxBorderColor({color.R, color.G, color.B, 255});
   object->setPose(toMrpt(T_map_entity));
   return object;
-}
-
-std::string title(const CNodeEntity& node) {
-  const std::string id = std::to_string(node.entity.value);
-  const std::string name = node.name.empty() ? semanticClassName(node.semantic_class) : node.name;
-  return name.find(id) == std::string::npos ? name + " " + id : name;
 }
 
 double topOf(const Pose3& T_map_entity, const Extent& extent) {
@@ -84,12 +42,13 @@ void drawLatest(CSetOfObjects& group, const CNodeEntity& node, const Extent& ext
   auto axes = mrpt::opengl::stock_objects::CornerXYZSimple(0.25f, 2.0f);
   axes->setPose(toMrpt(T_map_entity));
   group.insert(axes);
+  if (!params.labels) return;
   constexpr double kGap_m = 0.1;
   const Vector3 above(T_map_entity.t.x(), T_map_entity.t.y(), topOf(T_map_entity, extent) + kGap_m);
-  group.insert(label(title(node), above, colorFromRgb(0x101010), params));
+  group.insert(label(entityTitle(node), above, colorFromRgb(0x101010), params));
 }
 
-void drawTrack(CSetOfObjects& group, const Track& track, const SceneParams& params) {
+void drawTrack(CSetOfObjects& group, const EntityTrack& track, const SceneParams& params) {
   const mrpt::img::TColor color = entityColor(track.front()->entity);
   std::vector<Vector3> points;
   for (const auto& node : track) {
@@ -122,9 +81,9 @@ void drawDisplacement(CSetOfObjects& group, const CNodeEntity& before, const CNo
   group.insert(arrow);
 }
 
-void drawEntity(CSetOfObjects& group, const CSceneGraph& graph, const Track& track,
+void drawEntity(CSetOfObjects& group, const CSceneGraph& graph, const EntityTrack& track,
                 const SceneParams& params) {
-  const Extent extent = extentOf(fragmentPoints(graph, track));
+  const Extent extent = extentOf(fragmentPoints(graph, track)).value_or(Extent());
   drawLatest(group, *track.back(), extent, params);
   if (track.back()->semantic_class == SemanticClass::kAgent) {
     drawTrack(group, track, params);
@@ -143,7 +102,7 @@ CSetOfObjects::Ptr sceneEntities(const RunResult& run, const SceneParams& params
   for (const auto& [id, track] : run.graph.tracks()) {
     if (track.empty()) continue;
     auto group = CSetOfObjects::Create();
-    group->setName(title(*track.back()));
+    group->setName(entityTitle(*track.back()));
     drawEntity(*group, run.graph, track, params);
     all->insert(group);
   }

@@ -1,12 +1,13 @@
 #include "scene_style.h"
 
-#include <mrpt/img/color_maps.h>
 #include <mrpt/opengl/CText3D.h>
 #include <mrpt/poses/CPose3D.h>
 
 #include <array>
 #include <cmath>
 #include <numbers>
+
+#include "entity_color.h"
 
 namespace dynemo {
 
@@ -64,14 +65,7 @@ TColor colorFromRgb(std::uint32_t rgb, std::uint8_t alpha) {
           static_cast<std::uint8_t>(rgb), alpha};
 }
 
-TColor entityColor(EntityId id, std::uint8_t alpha) {
-  // Steps of the golden ratio around the hue circle never come close to each other soon.
-  const double turns = std::numbers::phi * static_cast<double>(id.value);
-  float r = 0, g = 0, b = 0;
-  mrpt::img::hsv2rgb(static_cast<float>(turns - std::floor(turns)), 0.85f, 0.8f, r, g, b);
-  const auto byte = [](float v) { return static_cast<std::uint8_t>(std::lround(255.0f * v)); };
-  return {byte(r), byte(g), byte(b), alpha};
-}
+TColor entityColor(EntityId id, std::uint8_t alpha) { return colorFromRgb(entityRgb(id), alpha); }
 
 mrpt::opengl::CSetOfObjects::Ptr label(const std::string& text, const Vector3& p_map,
                                        const TColor& color, const SceneParams& params) {

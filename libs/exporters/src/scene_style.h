@@ -8,19 +8,14 @@
 
 #include <cstdint>
 
+#include "dynemo/exporters/export_params.h"
 #include "dynemo/exporters/run_result.h"
 
 namespace dynemo {
 
 /// What the exporter draws, in metres unless the name says otherwise.
 struct SceneParams {
-  /// Clouds are thinned to one point per voxel of this size; to larger voxels while they exceed
-  /// max_points.
-  double voxel_m = 0.04;
-  std::size_t max_points = 300'000;
-  /// Points higher than this over their keyframe's base are cut away, so that one can look into
-  /// rooms from above.
-  double cutaway_height_m = 1.6;
+  PictureParams picture;
   float cloud_point_px = 1.5f;
   float fragment_point_px = 3.0f;
   double trajectory_radius_m = 0.03;
@@ -35,7 +30,10 @@ struct SceneParams {
   double floor_margin_m = 1.0;
   std::uint32_t plane_rgb = 0x9aa7b5;
   std::uint8_t plane_alpha = 70;
+  bool labels = true;
 };
+
+constexpr std::uint32_t kTrajectoryRgb = 0x1a4fd6, kOdometryRgb = 0x606060;
 
 inline mrpt::math::TPoint3D toPoint(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
 

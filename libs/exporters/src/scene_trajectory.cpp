@@ -3,6 +3,7 @@
 
 #include "dynemo/core/mrpt_conversions.h"
 #include "scene_style.h"
+#include "scene_view.h"
 
 namespace dynemo {
 namespace {
@@ -18,16 +19,6 @@ mrpt::opengl::CSetOfLines::Ptr polyline(const std::vector<Vector3>& points,
   return lines;
 }
 
-/// The odometry as it would have been drawn without any correction: anchored at the first keyframe.
-std::vector<Vector3> uncorrected(const RunResult& run) {
-  std::vector<Vector3> points;
-  if (run.graph.keyframes().empty()) return points;
-  const CNodeKeyframe& first = *run.graph.keyframes().front();
-  const Pose3 T_map_odom = first.T_map_base() * first.T_odom_base.inverse();
-  for (const FramePose& frame : run.frames) points.push_back(T_map_odom * frame.T_odom_base.t);
-  return points;
-}
-
 }  // namespace
 
 mrpt::opengl::CSetOfObjects::Ptr sceneTrajectory(const RunResult& run, const SceneParams& params) {
@@ -35,11 +26,11 @@ mrpt::opengl::CSetOfObjects::Ptr sceneTrajectory(const RunResult& run, const Sce
   group->setName("trajectory");
   std::vector<Vector3> optimised;
   for (const FramePose& frame : run.frames) optimised.push_back(frame.T_map_base.t);
-  auto path =
-      tube(optimised, params.trajectory_radius_m, params.shortest_step_m, colorFromRgb(0x1a4fd6));
+  auto path = tube(optimised, params.trajectory_radius_m, params.shortest_step_m,
+                   colorFromRgb(kTrajectoryRgb));
   path->setName("optimised");
   group->insert(path);
-  group->insert(polyline(uncorrected(run), colorFromRgb(0x606060), "odometry"));
+  group->insert(polyline(uncorrectedWay(run), colorFromRgb(kOdometryRgb), "odometry"));
   for (const auto& keyframe : run.graph.keyframes()) {
     auto axes = mrpt::opengl::stock_objects::CornerXYZSimple(0.12f, 2.0f);
     axes->setPose(toMrpt(keyframe->T_map_base()));

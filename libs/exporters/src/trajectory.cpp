@@ -17,7 +17,7 @@ class TrajectoryExporter : public Exporter {
 
 }  // namespace
 
-std::unique_ptr<Exporter> makeTrajectoryExporter() {
+std::unique_ptr<Exporter> makeTrajectoryExporter(const ExportParams&) {
   return std::make_unique<TrajectoryExporter>();
 }
 

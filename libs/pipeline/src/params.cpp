@@ -20,6 +20,7 @@ void fields(FieldVisitor& v, DynemoParams& p) {
   v.section("loops", p.loops, "Loop closure");
   v.section("solver", p.solver, "Optimisation of the graph");
   v.texts("outputs", p.outputs, "Files written to the output folder");
+  v.section("exports", p.exports, "Options of the files in outputs");
   v.number("checkpoint_s", p.checkpoint_s,
            "Results so far are written every so many seconds of the dataset", Range::positive());
 }

@@ -36,6 +36,14 @@ fs::path createFolder(const fs::path& folder) {
 /// The session is a folder of its own, not the file of an exporter.
 constexpr const char* kSession = "session";
 
+Session sessionOf(const RunResult& run, const std::string& config_yaml) {
+  return {run.graph,
+          config_yaml,
+          run.frames,
+          run.entity_covariances,
+          {run.keyframes_without_closures.begin(), run.keyframes_without_closures.end()}};
+}
+
 std::vector<std::string> knownOutputs(const std::vector<std::string>& names) {
   std::vector<std::string> known = exporters().names();
   known.emplace_back(kSession);
@@ -92,6 +100,7 @@ Json graphJson(const CSceneGraph& graph) {
 
 RunFolder::RunFolder(const fs::path& folder, const DynemoParams& params)
     : outputs_(knownOutputs(params.outputs)),
+      exports_(params.exports),
       folder_(createFolder(folder)),
       config_yaml_(toYaml(params)),
       log_(folder / "log.txt"),
@@ -203,8 +212,8 @@ void RunFolder::write(const std::vector<std::string>& outputs, const SlamPipelin
   for (const std::string& name : outputs) {
     attempt([&] {
       if (name == kSession)
-        return saveSession({pipeline.graph(), config_yaml_}, folder_ / kSession);
-      const auto exporter = exporters().make(name);
+        return saveSession(sessionOf(pipeline.result(), config_yaml_), folder_ / kSession);
+      const auto exporter = exporters().make(name, exports_);
       exporter->write(pipeline.result(), folder_ / exporter->fileName());
     });
   }

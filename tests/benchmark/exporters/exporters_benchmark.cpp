@@ -79,7 +79,7 @@ Run exampleRun(int keyframes) {
 void benchmarkExporter(benchmark::State& state, const std::string& name) {
   const Run run = exampleRun(static_cast<int>(state.range(0)));
   const RunResult result{run.graph, run.frames, run.covariances};
-  const auto exporter = exporters().make(name);
+  const auto exporter = exporters().make(name, ExportParams());
   const auto file = std::filesystem::temp_directory_path() /
                     ("dynemo-benchmark-" + std::to_string(::getpid()) + exporter->fileName());
   for (auto _ : state) exporter->write(result, file);

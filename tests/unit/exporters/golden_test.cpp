@@ -2,6 +2,7 @@
 // the variable DYNEMO_UPDATE_GOLDEN set.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 
@@ -25,9 +26,14 @@ INSTANTIATE_TEST_SUITE_P(TextFormats, Golden,
                          ::testing::Values(std::pair("trajectory", "trajectory.tum"),
                                            std::pair("keyframes", "keyframes.tum"),
                                            std::pair("odometry", "odometry.tum"),
-                                           std::pair("entities", "entities.csv")),
+                                           std::pair("entities", "entities.csv"),
+                                           std::pair("tum", "poses.txt"),
+                                           std::pair("csv", "tables.txt"),
+                                           std::pair("spark-dsg", "scene_graph.json")),
                          [](const auto& param_info) {
-                           return std::string(param_info.param.first);
+                           std::string name = param_info.param.first;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
                          });
 
 }  // namespace

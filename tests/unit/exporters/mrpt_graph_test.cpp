@@ -1,4 +1,4 @@
-// Reads graph.graph back with MRPT itself.
+// Reads graph.graph and graph.g2o back with MRPT itself.
 #include <gtest/gtest.h>
 #include <mrpt/graphs/CNetworkOfPoses.h>
 
@@ -14,10 +14,11 @@ namespace {
 
 constexpr double kTextTolerance = 1e-12;
 
-mrpt::graphs::CNetworkOfPoses3DInf readBack(const SmallRun& run) {
+mrpt::graphs::CNetworkOfPoses3DInf readBack(const SmallRun& run,
+                                            const std::string& format = "graph") {
   const TemporaryFolder folder;
   const auto file = folder.path() / "graph.graph";
-  std::ofstream(file, std::ios::binary) << exported("graph", run.result());
+  std::ofstream(file, std::ios::binary) << exported(format, run.result());
   mrpt::graphs::CNetworkOfPoses3DInf network;
   network.loadFromTextFile(file.string());
   return network;
@@ -91,6 +92,18 @@ TEST(MrptGraph, InformationMeansTheSameInItsAngles) {
                   kRelativeTolerance * expected_cost);
     }
   }
+}
+
+TEST(MrptGraph, ReadsG2oToo) {
+  const SmallRun run = smallRun();
+  const auto network = readBack(run, "g2o");
+  ASSERT_EQ(network.nodes.size(), 6u);
+  for (const auto& [id, T] : network.nodes) {
+    const Pose3& expected = run.graph.getNode<CNodePose>({id}).T_map_node;
+    EXPECT_LT(local(expected, fromMrpt(T)).norm(), 1e-9) << id;
+  }
+  // Of the seven edges, MRPT keeps one of the two between keyframes 0 and 1.
+  EXPECT_EQ(network.edgeCount(), 6u);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <set>
 
 #include "dynemo/exporters/exporter.h"
 #include "dynemo/graph/edge_floor_entity.h"
@@ -157,12 +158,17 @@ std::string readFile(const std::filesystem::path& file) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-std::string exported(const std::string& name, const RunResult& run) {
+std::string exported(const std::string& name, const RunResult& run, const ExportParams& params) {
   const TemporaryFolder folder;
-  const auto exporter = exporters().make(name);
+  const auto exporter = exporters().make(name, params);
   const auto file = folder.path() / exporter->fileName();
   exporter->write(run, file);
-  return readFile(file);
+  if (!std::filesystem::is_directory(file)) return readFile(file);
+  std::set<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(file)) files.insert(entry.path());
+  std::string all;
+  for (const auto& f : files) all += f.filename().string() + '\n' + readFile(f);
+  return all;
 }
 
 }  // namespace dynemo::test

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "dynemo/exporters/export_params.h"
 #include "dynemo/exporters/run_result.h"
 
 namespace dynemo::test {
@@ -38,7 +39,9 @@ class TemporaryFolder {
 
 std::string readFile(const std::filesystem::path& file);
 
-/// Runs an exporter by its name and returns the file's bytes.
-std::string exported(const std::string& exporter, const RunResult& run);
+/// Runs an exporter by its name and returns the file's bytes; of a folder, all files' one after
+/// the other, each after a line with its name.
+std::string exported(const std::string& exporter, const RunResult& run,
+                     const ExportParams& params = {});
 
 }  // namespace dynemo::test

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "dynemo/core/registry.h"
+#include "dynemo/exporters/export_params.h"
 #include "dynemo/exporters/run_result.h"
 
 namespace dynemo {
@@ -11,15 +12,15 @@ namespace dynemo {
 class Exporter {
  public:
   virtual ~Exporter() = default;
-  /// File name inside a run folder, e.g. "trajectory.tum".
+  /// File name inside a run folder, e.g. "trajectory.tum". Formats of several files have a folder.
   virtual std::string fileName() const = 0;
-  /// Writes the file completely or not at all. Throws DataError when it cannot be written.
+  /// Writes the file (or folder) completely or not at all. Throws DataError when it cannot be
+  /// written.
   virtual void write(const RunResult& run, const std::filesystem::path& file) const = 0;
 };
 
-/// By name as in the configuration's `outputs`: trajectory, keyframes, odometry, entities, g2o,
-/// graph, 3dscene, map.
-using ExporterRegistry = Registry<Exporter>;
+/// By name as in the configuration's `outputs` and in dynemo-export's --format.
+using ExporterRegistry = Registry<Exporter, const ExportParams&>;
 const ExporterRegistry& exporters();
 
 }  // namespace dynemo

@@ -6,6 +6,7 @@
 
 #include "dynemo/backend/optimizer.h"
 #include "dynemo/core/fields.h"
+#include "dynemo/exporters/export_params.h"
 #include "dynemo/ingest/ingest_params.h"
 #include "dynemo/loops/loop_params.h"
 #include "dynemo/mapping/delta_builder.h"
@@ -42,6 +43,7 @@ struct DynemoParams {
   /// Registered exporters whose files the run folder gets.
   std::vector<std::string> outputs = {"trajectory", "keyframes", "odometry", "entities", "planes",
                                       "g2o",        "graph",     "3dscene",  "map",      "session"};
+  ExportParams exports;
   /// Results so far are written every so many seconds of the dataset, for runs that get killed.
   double checkpoint_s = 60.0;
 };

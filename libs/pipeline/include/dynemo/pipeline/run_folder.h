@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dynemo/core/output_file.h"
+#include "dynemo/exporters/export_params.h"
 #include "dynemo/ingest/frame_source.h"
 #include "dynemo/pipeline/slam_pipeline.h"
 
@@ -50,6 +51,7 @@ class RunFolder {
              const IngestReport& ingest, const RunIdentity& identity);
 
   std::vector<std::string> outputs_;
+  ExportParams exports_;
   std::filesystem::path folder_;
   std::string config_yaml_;
   AppendFile log_, timing_, optimizations_, loops_;

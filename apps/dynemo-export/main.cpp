@@ -1,0 +1,99 @@
+// dynemo-export: a finished run in another format.
+#include <filesystem>
+#include <iostream>
+#include <optional>
+#include <set>
+
+#include "../common/program.h"
+#include "../common/time_argument.h"
+#include "dynemo/core/config.h"
+#include "dynemo/exporters/exporter.h"
+
+namespace fs = std::filesystem;
+
+namespace dynemo {
+namespace {
+
+struct Options {
+  fs::path run, output;
+  std::string format;
+  std::optional<std::string> at;
+  std::vector<std::string> overrides;
+  bool dump_config = false;
+};
+
+std::string formatNames() {
+  std::string list;
+  for (const auto& name : exporters().names()) list += (list.empty() ? "" : ", ") + name;
+  return list;
+}
+
+void declare(CLI::App& app, Options& o) {
+  app.add_option("RUN_DIR", o.run, "Output folder of dynemo-slam")->required()->type_name("");
+  app.add_option("--format", o.format, "One of: " + formatNames())->type_name("F");
+  app.add_option("--output", o.output,
+                 "File to write (a folder for formats of several files); inside an existing folder "
+                 "it gets the name dynemo-slam would give it")
+      ->type_name("FILE");
+  app.add_option("--at", o.at,
+                 std::string("Map clouds: show entities as of this time; ") + kTimeHelp)
+      ->type_name("T");
+  app.add_option("--set", o.overrides,
+                 "Override one option of the section `exports` of the configuration, e.g. --set "
+                 "cloud.entities=none (repeatable)")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  app.add_flag("--dump-config", o.dump_config, "Print the effective options and exit");
+  app.set_version_flag("--version", "dynemo-export " DYNEMO_VERSION);
+}
+
+/// The run's own options, overridden by the command line.
+ExportParams exportParams(const Options& o, const Session& session) {
+  ExportParams params = exportParamsOf(session.config_yaml);
+  ConfigLoader loader;
+  for (const std::string& text : o.overrides) loader.addOverride(text);
+  load(loader, params);
+  if (!o.at) return params;
+  const std::set<std::string> clouds = {"ply", "pcd"};
+  if (!o.dump_config && !clouds.contains(o.format)) {
+    throw ConfigError("--at: format " + o.format + " shows all times; only ply and pcd show one");
+  }
+  const Stamp begin = session.frames.empty() ? Stamp() : session.frames.front().stamp;
+  params.cloud.at_s = secondsBetween(begin, parseTime(*o.at, begin, "--at"));
+  return params;
+}
+
+/// In a folder that is there, unless the format writes a folder itself under the very name.
+fs::path outputFile(const Options& o, const Exporter& exporter) {
+  const bool inside = fs::is_directory(o.output) && o.output.filename() != exporter.fileName();
+  return inside ? o.output / exporter.fileName() : o.output;
+}
+
+int run(const Options& o) {
+  if (!o.dump_config) {
+    if (o.format.empty()) throw ConfigError("--format is required; known: " + formatNames());
+    if (o.output.empty()) throw ConfigError("--output is required (see dynemo-export --help)");
+    if (!exporters().contains(o.format))
+      throw ConfigError("--format " + o.format + ": must be among: " + formatNames());
+  }
+  const Session session = loadRunSession(o.run);
+  const ExportParams params = exportParams(o, session);
+  if (o.dump_config) {
+    std::cout << toYaml(params) << std::flush;
+    if (!std::cout) throw DataError("standard output: cannot be written");
+    return 0;
+  }
+  const auto exporter = exporters().make(o.format, params);
+  exporter->write(resultOf(session), outputFile(o, *exporter));
+  return 0;
+}
+
+}  // namespace
+}  // namespace dynemo
+
+int main(int argc, char** argv) {
+  CLI::App app("Writes a run of dynemo-slam in another format.", "dynemo-export");
+  dynemo::Options options;
+  dynemo::declare(app, options);
+  return dynemo::runProgram(app, argc, argv, [&] { return dynemo::run(options); });
+}
