@@ -9,6 +9,7 @@ configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/dynemoConfig.cmake.in
 write_basic_package_version_file(${CMAKE_BINARY_DIR}/dynemoConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_BINARY_DIR}/dynemoConfig.cmake ${CMAKE_BINARY_DIR}/dynemoConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/DynemoDependencies.cmake ${CMAKE_CURRENT_LIST_DIR}/DynemoFindPcl.cmake
-  ${CMAKE_CURRENT_LIST_DIR}/DynemoFindRosbag.cmake ${CMAKE_CURRENT_LIST_DIR}/DynemoFindSuiteSparse.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/DynemoFindOpenBLAS.cmake ${CMAKE_CURRENT_LIST_DIR}/DynemoFindRosbag.cmake
+  ${CMAKE_CURRENT_LIST_DIR}/DynemoFindSuiteSparse.cmake
   DESTINATION ${package_dir})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/share/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/dynemo)

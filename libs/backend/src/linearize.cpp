@@ -3,17 +3,13 @@
 #include <array>
 #include <cmath>
 
+#include "whitened_factor.h"
+
 namespace dynemo::backend {
 namespace {
 
 using Place = BlockStructure::Target::Place;
 using Pointers = std::array<const double*, kMaxEdgeNodes>;
-
-/// Blocks are scaled by √ρ' and U, so that the sums need products of them only.
-struct WhitenedFactor {
-  Residual e;
-  Jacobians J;
-};
 
 std::span<const double* const> statePointers(const Problem& problem, int factor,
                                              const std::vector<double>& states,
@@ -27,53 +23,8 @@ std::span<const double* const> statePointers(const Problem& problem, int factor,
 
 double factorCost(const Problem& problem, int factor, const std::vector<double>& states) {
   Pointers pointers;
-  Residual e;
-  const CEdgeBase& edge = problem.edge(factor);
-  edge.evaluate(statePointers(problem, factor, states, pointers), e, nullptr);
-  const Residual whitened = edge.sqrtInformation().triangularView<Eigen::Upper>() * e;
-  return 0.5 * edge.kernel(whitened.squaredNorm()).rho;
-}
-
-/// out += AᵀB with all sizes known to the compiler.
-template <int M, int Rows, int Columns>
-void addProductFixed(const JacobianBlock& A, const JacobianBlock& B, double* out, int stride) {
-  const Eigen::Map<const Eigen::Matrix<double, M, Rows>> a(A.data());
-  const Eigen::Map<const Eigen::Matrix<double, M, Columns>> b(B.data());
-  Eigen::Map<Eigen::Matrix<double, Rows, Columns>, 0, Eigen::OuterStride<>> target(
-      out, Eigen::OuterStride<>(stride));
-  target.noalias() += a.transpose().lazyProduct(b);
-}
-
-/// out += AᵀB, a block with leading dimension `stride`.
-void addProduct(const JacobianBlock& A, const JacobianBlock& B, double* out, int stride) {
-  if (A.rows() == 6 && A.cols() == 6 && B.cols() == 6) {
-    return addProductFixed<6, 6, 6>(A, B, out, stride);
-  }
-  Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> target(out, A.cols(), B.cols(),
-                                                              Eigen::OuterStride<>(stride));
-  target.noalias() += A.transpose().lazyProduct(B);
-}
-
-template <int M>
-void whitenFixed(const InformationMatrix& U, double scale, std::size_t count,
-                 WhitenedFactor& factor) {
-  const Eigen::Matrix<double, M, M> scaled =
-      scale * Eigen::Map<const Eigen::Matrix<double, M, M>>(U.data());
-  factor.e = scaled * Eigen::Matrix<double, M, 1>(factor.e);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (factor.J[i].cols() == 6) {
-      Eigen::Map<Eigen::Matrix<double, M, 6>> J(factor.J[i].data());
-      J = (scaled * J).eval();
-    } else {
-      factor.J[i] = (scaled * factor.J[i]).eval();
-    }
-  }
-}
-
-void whiten(const InformationMatrix& U, double scale, std::size_t count, WhitenedFactor& factor) {
-  if (U.rows() == 6) return whitenFixed<6>(U, scale, count, factor);
-  factor.e = scale * (U * factor.e).eval();
-  for (std::size_t i = 0; i < count; ++i) factor.J[i] = scale * (U * factor.J[i]).eval();
+  return backend::factorCost(problem.edge(factor),
+                             statePointers(problem, factor, states, pointers));
 }
 
 /// Adds one factor and returns its cost.
@@ -81,12 +32,8 @@ double addFactor(const Problem& problem, const BlockStructure& structure, int f,
                  const std::vector<double>& states, WhitenedFactor& work, NormalEquations& out) {
   Pointers pointers;
   const CEdgeBase& edge = problem.edge(f);
-  edge.evaluate(statePointers(problem, f, states, pointers), work.e, &work.J);
-  const double s = (edge.sqrtInformation().triangularView<Eigen::Upper>() * work.e).squaredNorm();
-  const RobustKernel::Value rho = edge.kernel(s);
+  const double cost = whitenedFactor(edge, statePointers(problem, f, states, pointers), work);
   const auto variables = problem.connectivity().variablesOf(f);
-  whiten(edge.sqrtInformation(), std::sqrt(rho.weight), variables.size(), work);
-
   const BlockStructure::Target* target = structure.targets(f);
   for (std::size_t a = 0; a < variables.size(); ++a) {
     const JacobianBlock& A = work.J[a];
@@ -99,7 +46,7 @@ double addFactor(const Problem& problem, const BlockStructure& structure, int f,
       if (target->place != Place::kDirect) addProduct(B, A, block, target->stride);
     }
   }
-  return 0.5 * rho.rho;
+  return cost;
 }
 
 }  // namespace

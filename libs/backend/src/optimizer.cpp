@@ -2,9 +2,13 @@
 
 #include <optional>
 
+#include "front_marginals.h"
+#include "incremental_solver.h"
 #include "levenberg_marquardt.h"
 #include "marginals.h"
+#include "state_watch.h"
 #include "stopwatch.h"
+#include "two_tier_solver.h"
 
 namespace dynemo {
 
@@ -20,7 +24,14 @@ struct Optimizer::Impl {
 
   SolverParams params;
   CholmodContext context;
+  KeptOrder kept_order;
   std::optional<Analysis> analysis;
+  IncrementalSolver incremental;
+  StateWatch watch;
+
+  TwoTierSolver two_tier;
+
+  explicit Impl(const SolverParams& p) : params(p), incremental(p), two_tier(p) {}
 
   /// Reuses the last analysis when nothing but numbers changed.
   Analysis& analyze(const Problem& problem, double& ordering_ms, double& symbolic_ms) {
@@ -29,8 +40,8 @@ struct Optimizer::Impl {
     {
       const ScopedTimer timer(ordering_ms);
       Adjacency adjacency = adjacencyOf(problem.connectivity());
-      std::vector<int> order = eliminationOrder(adjacency, context);
-      structure.emplace(problem.connectivity(), adjacency, std::move(order));
+      structure.emplace(problem.connectivity(), adjacency,
+                        kept_order.update(problem, adjacency, context).order);
     }
     const ScopedTimer timer(symbolic_ms);
     SparseFactor factor(*structure, context);
@@ -38,12 +49,17 @@ struct Optimizer::Impl {
     return *analysis;
   }
 
-  void optimize(CSceneGraph& graph, OptimizationReport& report);
+  void optimizeInBatch(CSceneGraph& graph, OptimizationReport& report);
+  void optimizeIncrementally(CSceneGraph& graph, OptimizationReport& report);
+  void optimizeInTwoTiers(CSceneGraph& graph, OptimizationReport& report);
+  /// Whether the incremental factorisation is the graph's as it stands.
+  bool isFactorized(const CSceneGraph& graph);
 };
 
 namespace {
 
-Expected<std::vector<int>, std::string> variablesOf(const Problem& problem,
+template <class AnyProblem>
+Expected<std::vector<int>, std::string> variablesOf(const AnyProblem& problem,
                                                     std::span<const NodeId> nodes) {
   std::vector<int> variables;
   for (const NodeId node : nodes) {
@@ -58,15 +74,12 @@ Expected<std::vector<int>, std::string> variablesOf(const Problem& problem,
 
 }  // namespace
 
-Optimizer::Optimizer(const SolverParams& params) : impl_(std::make_unique<Impl>()) {
-  impl_->params = params;
-}
+Optimizer::Optimizer(const SolverParams& params) : impl_(std::make_unique<Impl>(params)) {}
 Optimizer::~Optimizer() = default;
 Optimizer::Optimizer(Optimizer&&) noexcept = default;
 Optimizer& Optimizer::operator=(Optimizer&&) noexcept = default;
 
-void Optimizer::Impl::optimize(CSceneGraph& graph, OptimizationReport& report) {
-  const ScopedTimer timer(report.total_ms);
+void Optimizer::Impl::optimizeInBatch(CSceneGraph& graph, OptimizationReport& report) {
   const Problem problem(graph);
   report.nodes = static_cast<std::size_t>(problem.connectivity().variables());
   report.edges = static_cast<std::size_t>(problem.connectivity().factors());
@@ -84,14 +97,86 @@ void Optimizer::Impl::optimize(CSceneGraph& graph, OptimizationReport& report) {
   }
 }
 
+void Optimizer::Impl::optimizeIncrementally(CSceneGraph& graph, OptimizationReport& report) {
+  // A graph that is mostly new has no warm start worth the name.
+  const bool mostly_new = incremental.synchronize(graph, watch.moved(graph));
+  if (graph.edgeCount() == 0) {
+    report.stop = StopReason::kNothingToDo;
+    return;
+  }
+  if (mostly_new || !incremental.solve(report)) {
+    report = {};
+    optimizeInBatch(graph, report);
+    incremental.reset();
+    incremental.synchronize(graph, {});
+    watch.moved(graph);
+    return;
+  }
+  const LiveProblem& problem = incremental.problem();
+  report.nodes = incremental.nodes();
+  report.edges = graph.edgeCount();
+  report.tangent_size = incremental.tangentSize();
+  for (const int v : incremental.changed()) {
+    if (!problem.alive(v)) continue;
+    graph.setState(problem.node(v)->id, problem.estimate(v));
+    watch.record(*problem.node(v), problem.estimate(v));
+  }
+}
+
+void Optimizer::Impl::optimizeInTwoTiers(CSceneGraph& graph, OptimizationReport& report) {
+  if (two_tier.solve(graph, report)) return;
+  report = {};
+  optimizeInBatch(graph, report);
+  if (report.usable()) two_tier.restart(graph);
+}
+
+bool Optimizer::Impl::isFactorized(const CSceneGraph& graph) {
+  if (!incremental.solved()) return false;
+  incremental.synchronize(graph, watch.moved(graph));
+  return incremental.solved();
+}
+
 OptimizationReport Optimizer::optimize(CSceneGraph& graph) {
   OptimizationReport report;
-  impl_->optimize(graph, report);
+  const ScopedTimer timer(report.total_ms);
+  switch (impl_->params.method) {
+    case SolverParams::Method::kBatch:
+      impl_->optimizeInBatch(graph, report);
+      break;
+    case SolverParams::Method::kIncremental:
+      impl_->optimizeIncrementally(graph, report);
+      break;
+    case SolverParams::Method::kTwoTier:
+      impl_->optimizeInTwoTiers(graph, report);
+      break;
+  }
+  return report;
+}
+
+OptimizationReport Optimizer::optimizeFully(CSceneGraph& graph) {
+  OptimizationReport report;
+  const ScopedTimer timer(report.total_ms);
+  impl_->optimizeInBatch(graph, report);
+  if (impl_->params.method == SolverParams::Method::kTwoTier && report.usable())
+    impl_->two_tier.restart(graph);
   return report;
 }
 
 Expected<MatrixX, std::string> Optimizer::marginalCovariance(const CSceneGraph& graph,
                                                              std::span<const NodeId> nodes) {
+  if (impl_->isFactorized(graph)) {
+    const LiveProblem& problem = impl_->incremental.problem();
+    const auto variables = variablesOf(problem, nodes);
+    if (!variables) return make_unexpected(variables.error());
+    if (variables->empty()) return MatrixX(0, 0);
+    return jointCovariance(problem, impl_->incremental.factor(), *variables);
+  }
+  if (impl_->params.method == SolverParams::Method::kTwoTier &&
+      impl_->two_tier.windowKnows(graph, nodes)) {
+    const WindowSolver& window = impl_->two_tier.window();
+    const auto variables = variablesOf(window.problem(), nodes);
+    return jointCovariance(window.problem(), window.factor(), *variables);
+  }
   const Problem problem(graph);
   const auto variables = variablesOf(problem, nodes);
   if (!variables) return make_unexpected(variables.error());
@@ -105,6 +190,13 @@ Expected<MatrixX, std::string> Optimizer::marginalCovariance(const CSceneGraph& 
 
 Expected<std::vector<MatrixX>, std::string> Optimizer::marginalBlocks(
     const CSceneGraph& graph, std::span<const NodeId> nodes) {
+  if (impl_->isFactorized(graph)) {
+    const LiveProblem& problem = impl_->incremental.problem();
+    const auto variables = variablesOf(problem, nodes);
+    if (!variables) return make_unexpected(variables.error());
+    if (variables->empty()) return std::vector<MatrixX>{};
+    return blockCovariances(problem, impl_->incremental.factor(), *variables);
+  }
   const Problem problem(graph);
   const auto variables = variablesOf(problem, nodes);
   if (!variables) return make_unexpected(variables.error());

@@ -1,6 +1,7 @@
 #include "ordering.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <stdexcept>
 
@@ -58,18 +59,83 @@ Adjacency adjacencyOf(const Connectivity& connectivity) {
   return a;
 }
 
-std::vector<int> eliminationOrder(Adjacency& adjacency, CholmodContext& context) {
+namespace {
+
+EliminationOrder analyze(Adjacency& adjacency, int method, std::vector<int>* given,
+                         CholmodContext& context) {
   const int n = static_cast<int>(adjacency.begin.size()) - 1;
   cholmod_sparse pattern =
       lowerTriangleView(n, adjacency.begin.data(), adjacency.neighbors.data(), nullptr);
   context->nmethods = 1;
-  context->method[0].ordering = n < kNestedDissectionFrom ? CHOLMOD_AMD : CHOLMOD_METIS;
+  context->method[0].ordering = method;
   context->postorder = 1;
   context->supernodal = CHOLMOD_SIMPLICIAL;
-  const FactorPtr symbolic(cholmod_analyze(&pattern, context.get()), {&context});
+  const FactorPtr symbolic(
+      cholmod_analyze_p(&pattern, given ? given->data() : nullptr, nullptr, 0, context.get()),
+      {&context});
   if (!symbolic) throw std::runtime_error("the elimination order could not be computed");
   const int* permutation = static_cast<const int*>(symbolic->Perm);
-  return {permutation, permutation + n};
+  return {{permutation, permutation + n}, context->fl};
+}
+
+/// The kept order is good for this much more work than a fresh one, and for this much growth.
+constexpr double kTolerableFlops = 1.3;
+constexpr double kTolerableGrowth = 1.25;
+
+}  // namespace
+
+EliminationOrder eliminationOrder(Adjacency& adjacency, CholmodContext& context) {
+  const int n = static_cast<int>(adjacency.begin.size()) - 1;
+  return analyze(adjacency, n < kNestedDissectionFrom ? CHOLMOD_AMD : CHOLMOD_METIS, nullptr,
+                 context);
+}
+
+EliminationOrder postOrdered(Adjacency& adjacency, std::vector<int> order,
+                             CholmodContext& context) {
+  return analyze(adjacency, CHOLMOD_GIVEN, &order, context);
+}
+
+EliminationOrder KeptOrder::update(const Problem& problem, Adjacency& adjacency,
+                                   CholmodContext& context) {
+  const auto n = static_cast<double>(problem.connectivity().variables());
+  const double growth = n / static_cast<double>(renewed_at_variables_);
+  if (!(growth < kTolerableGrowth)) return renew(problem, adjacency, context);
+  EliminationOrder order = postOrdered(adjacency, extended(problem), context);
+  // Fresh orders of planar-like graphs cost n^(3/2).
+  const double fresh_flops = renewed_at_flops_ * std::pow(growth, 1.5);
+  if (order.flops > kTolerableFlops * fresh_flops) return renew(problem, adjacency, context);
+  keep(problem, order.order);
+  return order;
+}
+
+std::vector<int> KeptOrder::extended(const Problem& problem) const {
+  std::vector<char> placed(problem.connectivity().tangent_size.size(), 0);
+  std::vector<int> order;
+  order.reserve(placed.size());
+  for (const NodeId node : nodes_) {
+    const int v = problem.variableOf(node);
+    if (v < 0) continue;
+    placed[v] = 1;
+    order.push_back(v);
+  }
+  for (int v = 0; v < problem.connectivity().variables(); ++v) {
+    if (!placed[v]) order.push_back(v);
+  }
+  return order;
+}
+
+EliminationOrder KeptOrder::renew(const Problem& problem, Adjacency& adjacency,
+                                  CholmodContext& context) {
+  EliminationOrder order = eliminationOrder(adjacency, context);
+  renewed_at_variables_ = order.order.size();
+  renewed_at_flops_ = order.flops;
+  keep(problem, order.order);
+  return order;
+}
+
+void KeptOrder::keep(const Problem& problem, const std::vector<int>& order) {
+  nodes_.clear();
+  for (const int v : order) nodes_.push_back(problem.node(v).id);
 }
 
 }  // namespace dynemo::backend

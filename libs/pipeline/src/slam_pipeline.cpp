@@ -198,11 +198,11 @@ void SlamPipeline::closeLoops(FrameTiming& timing) {
 
 void SlamPipeline::optimize(const SensorFrame& frame, FrameTiming& timing) {
   const ScopedStage stage(timing, Stage::kOptimization);
-  runOptimizer(frame.index, frame.stamp);
+  recordOptimization(frame.index, frame.stamp, optimizer_.optimize(graph_));
 }
 
-void SlamPipeline::runOptimizer(std::uint64_t frame_index, Stamp stamp) {
-  OptimizationReport report = optimizer_.optimize(graph_);
+void SlamPipeline::recordOptimization(std::uint64_t frame_index, Stamp stamp,
+                                      OptimizationReport report) {
   if (!report.usable()) {
     ++warnings_["optimisation failed: " + report.message];
     logFmt(mrpt::system::LVL_WARN, "optimisation failed at %s: %s", stamp.text().c_str(),
@@ -233,7 +233,7 @@ void SlamPipeline::settleLoops() {
   const CNodeKeyframe& newest = *graph_.keyframes().back();
   GraphDelta taken_out;
   do {
-    runOptimizer(newest.frame_index, newest.stamp);
+    recordOptimization(newest.frame_index, newest.stamp, optimizer_.optimizeFully(graph_));
     taken_out = loops_.review(graph_);
     graph_.apply(taken_out);
   } while (!taken_out.empty());

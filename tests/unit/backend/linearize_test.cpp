@@ -17,7 +17,7 @@ struct Assembled {
   explicit Assembled(const CSceneGraph& graph)
       : problem(graph),
         adjacency(adjacencyOf(problem.connectivity())),
-        structure(problem.connectivity(), adjacency, eliminationOrder(adjacency, context)),
+        structure(problem.connectivity(), adjacency, eliminationOrder(adjacency, context).order),
         states(problem.readStates()) {
     linearize(problem, structure, states, equations);
   }
@@ -123,7 +123,7 @@ TEST(Ordering, IsAPermutationBelowAndAboveTheSwitchToNestedDissection) {
     const Problem problem(graph);
     Adjacency adjacency = adjacencyOf(problem.connectivity());
     CholmodContext context;
-    std::vector<int> order = eliminationOrder(adjacency, context);
+    std::vector<int> order = eliminationOrder(adjacency, context).order;
     std::sort(order.begin(), order.end());
     for (int i = 0; i < problem.connectivity().variables(); ++i) ASSERT_EQ(order[i], i);
     EXPECT_EQ(static_cast<int>(order.size()), problem.connectivity().variables());

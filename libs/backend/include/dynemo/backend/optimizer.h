@@ -1,4 +1,5 @@
-// Sparse non-linear least squares over a scene graph: Levenberg–Marquardt with a sparse Cholesky factorisation.
+// Sparse non-linear least squares over a scene graph: Levenberg–Marquardt in batch, or one step at a time over what
+// changed.
 #pragma once
 
 #include <memory>
@@ -14,12 +15,25 @@
 namespace dynemo {
 
 struct SolverParams {
+  enum class Method {
+    kBatch,        ///< everything at every call, to convergence
+    kIncremental,  ///< one step over what the change touches
+    kTwoTier       ///< the newest keyframes at once, the whole map on a second thread
+  } method = Method::kIncremental;
   int max_iterations = 50;
   /// Stop when an accepted step lowers the cost by less than this fraction.
   double min_relative_decrease = 1e-6;
   /// Stop when no tangent entry moves by more than this [m, rad].
   double min_step = 1e-9;
   double initial_lambda = 1e-6;
+  /// Incremental: distance from its linearisation at which a node is linearised anew [m, rad].
+  double relinearize_above = 0.01;
+  /// Incremental: changes up to this are not carried on to other nodes [m, rad].
+  double propagate_above = 1e-5;
+  /// Two tiers: keyframes that are solved at once.
+  int window_keyframes = 50;
+  /// Two tiers: calls after which the solution of the whole map is merged.
+  int join_every = 10;
 };
 void fields(FieldVisitor& v, SolverParams& p);
 
@@ -38,7 +52,7 @@ struct OptimizationReport {
   bool usable() const { return stop != StopReason::kNumericalFailure; }
 };
 
-/// Keeps what it can between calls (ordering, symbolic factor). Not thread-safe; use one per graph.
+/// Keeps what it can between calls (ordering, factorisation). Not thread-safe; use one per graph.
 class Optimizer {
  public:
   explicit Optimizer(const SolverParams& params);
@@ -46,11 +60,15 @@ class Optimizer {
   Optimizer(Optimizer&&) noexcept;
   Optimizer& operator=(Optimizer&&) noexcept;
 
-  /// Minimises the graph's cost from its current estimates and writes the result back; on failure the estimates
-  /// stay as they were. Nodes without edges are left alone; a free gauge is held by the damping.
+  /// Lowers the graph's cost from its current estimates, by the method of the parameters, and writes the result
+  /// back; on failure the estimates stay as they were. Nodes without edges are left alone; a free gauge is held by
+  /// the damping. An edge that was there at an earlier call must not have changed since: replace it instead.
   OptimizationReport optimize(CSceneGraph& graph);
+  /// The same in batch, to convergence, whatever the method.
+  OptimizationReport optimizeFully(CSceneGraph& graph);
 
-  /// Joint marginal covariance of the nodes' tangents at the current estimates, stacked in the order given. The
+  /// Joint marginal covariance of the nodes' tangents at the current estimates (incremental: at the linearisation
+  /// that the last step used), stacked in the order given. The
   /// failure says why, e.g. that the gauge is free.
   Expected<MatrixX, std::string> marginalCovariance(const CSceneGraph& graph, std::span<const NodeId> nodes);
 

@@ -90,8 +90,8 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   /// What the graph knows, with its uncertainty, of what the keyframe observes.
   void associate(KeyframeData& keyframe);
   std::optional<KeyframePrediction> predict(const KeyframeData& keyframe);
-  void runOptimizer(std::uint64_t frame_index, Stamp stamp);
   void settleLoops();
+  void recordOptimization(std::uint64_t frame_index, Stamp stamp, OptimizationReport report);
   void updateCovariances();
 
   DynemoParams params_;

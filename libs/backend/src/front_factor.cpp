@@ -1,0 +1,228 @@
+#include "front_factor.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dense_kernels.h"
+
+namespace dynemo::backend {
+namespace {
+
+/// A pivot below this fraction of its diagonal entry is what rounding leaves of zero.
+constexpr double kSingularPivot = 1e-13;
+
+std::size_t square(int n) { return static_cast<std::size_t>(n) * static_cast<std::size_t>(n); }
+/// Entries of the lower triangle of the update matrix with its right-hand side, and of the diagonal
+/// of H that goes with its rows.
+std::size_t updateSize(int rows) {
+  const auto n = static_cast<std::size_t>(rows) + 1;
+  return n * (n + 1) / 2 + static_cast<std::size_t>(rows);
+}
+
+}  // namespace
+
+void FrontFactor::build(const LiveProblem& problem, CholmodContext& context) {
+  arena_ = BlockArena();
+  tree_.build(problem, context);
+  recompute_.clear();
+  carried_.assign(static_cast<std::size_t>(problem.tangentSize()), 0.0);
+}
+
+std::optional<int> FrontFactor::factorize(LiveProblem& problem) {
+  last_flops_ = 0.0;
+  last_fronts_ = 0;
+  place_.resize(static_cast<std::size_t>(problem.variables()), -1);
+  recompute_.resize(static_cast<std::size_t>(tree_.fronts()), 0);
+  for (int f = tree_.nextDirty(problem); f >= 0; f = tree_.nextDirty(problem)) {
+    if (!factorizeFront(problem, f)) return singular_;
+    recompute_[f] = 1;
+    last_flops_ += tree_.front(f).flops();
+    ++last_fronts_;
+  }
+  return std::nullopt;
+}
+
+bool FrontFactor::factorizeFront(LiveProblem& problem, int f) {
+  Front& front = tree_.front(f);
+  const int n = front.pivot_size + front.row_size, ld = n + 1;
+  if (matrix_.size() < square(ld)) matrix_.resize(square(ld));
+  for (int j = 0; j < ld; ++j)
+    std::fill_n(&matrix_[static_cast<std::size_t>(j) * ld + j], ld - j, 0.0);
+  diagonal_.assign(static_cast<std::size_t>(n), 0.0);
+  placeRows(problem, front);
+  assembleFactors(problem, front, ld);
+  for (int c = front.first_child; c >= 0; c = tree_.front(c).next_sibling)
+    assembleChild(problem, tree_.front(c), ld);
+  const int bad = factorizePivots(matrix_.data(), ld, ld, front.pivot_size);
+  if (bad >= 0 || !pivotsAreSound(front, ld)) {
+    singular_ = tree_.list(front.pivots).front();
+    for (const int v : tree_.list(front.pivots))
+      if (bad >= 0 && place_[v] <= bad) singular_ = v;
+    return false;
+  }
+  storeFront(front, ld);
+  return true;
+}
+
+void FrontFactor::placeRows(const LiveProblem& problem, const Front& front) {
+  int at = 0;
+  for (const auto& list : {tree_.list(front.pivots), tree_.list(front.rows)}) {
+    for (const int v : list) {
+      place_[v] = at;
+      at += problem.tangentSize(v);
+    }
+  }
+}
+
+void FrontFactor::assembleFactors(LiveProblem& problem, const Front& front, int ld) {
+  WhitenedFactor work;
+  const auto at = [&](int row, int column) {
+    return &matrix_[static_cast<std::size_t>(column) * ld + row];
+  };
+  for (const int pivot : tree_.list(front.pivots)) {
+    tree_.forEachOwnedFactor(pivot, [&](int f) {
+      problem.linearize(f, work);
+      const auto variables = problem.variablesOf(f);
+      for (std::size_t a = 0; a < variables.size(); ++a) {
+        if (problem.tangentSize(variables[a]) == 0) continue;  // a constant
+        const int row = place_[variables[a]];
+        const JacobianBlock& A = work.J[a];
+        for (int i = 0; i < A.cols(); ++i) {
+          *at(ld - 1, row + i) -= A.col(i).dot(work.e);
+          diagonal_[row + i] += A.col(i).squaredNorm();
+        }
+        for (std::size_t b = 0; b < variables.size(); ++b) {
+          if (problem.tangentSize(variables[b]) == 0) continue;
+          const int column = place_[variables[b]];
+          if (row > column || (row == column && a >= b))
+            addProduct(A, work.J[b], at(row, column), ld);
+          if (row == column && a > b) addProduct(work.J[b], A, at(row, column), ld);
+        }
+      }
+    });
+  }
+}
+
+void FrontFactor::assembleChild(const LiveProblem& problem, const Front& child, int ld) {
+  // Rows of the child that are neighbours here too are added as one run.
+  struct Run {
+    int from, to, size;
+  };
+  thread_local std::vector<Run> runs;
+  runs.clear();
+  int from = 0;
+  for (const int v : tree_.list(child.rows)) {
+    const int size = problem.tangentSize(v);
+    if (!runs.empty() && runs.back().to + runs.back().size == place_[v]) {
+      runs.back().size += size;
+    } else {
+      runs.push_back({from, place_[v], size});
+    }
+    from += size;
+  }
+  runs.push_back({from, ld - 1, 1});  // the right-hand side
+  const double* source = child.update.data;
+  const int n = from + 1;
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    for (int j = 0; j < runs[r].size; ++j) {
+      const int column = runs[r].from + j;
+      double* const target = &matrix_[static_cast<std::size_t>(runs[r].to + j) * ld];
+      // The packed column starts at its diagonal.
+      const double* const packed = source - column;
+      for (int i = j; i < runs[r].size; ++i) target[runs[r].to + i] += packed[runs[r].from + i];
+      for (std::size_t below = r + 1; below < runs.size(); ++below) {
+        const Run& run = runs[below];
+        for (int i = 0; i < run.size; ++i) target[run.to + i] += packed[run.from + i];
+      }
+      source += n - column;
+    }
+  }
+  for (std::size_t r = 0; r + 1 < runs.size(); ++r)
+    for (int i = 0; i < runs[r].size; ++i) diagonal_[runs[r].to + i] += source[runs[r].from + i];
+}
+
+bool FrontFactor::pivotsAreSound(const Front& front, int ld) const {
+  for (int i = 0; i < front.pivot_size; ++i) {
+    const double pivot = matrix_[static_cast<std::size_t>(i) * ld + i];
+    if (!(pivot * pivot > kSingularPivot * diagonal_[i])) return false;
+  }
+  return true;
+}
+
+void FrontFactor::storeFront(Front& front, int ld) {
+  const int p = front.pivot_size;
+  arena_.reserve(front.panel, static_cast<std::size_t>(ld) * static_cast<std::size_t>(p));
+  std::copy_n(matrix_.data(), static_cast<std::size_t>(ld) * static_cast<std::size_t>(p),
+              front.panel.data);
+  front.half_squared_y = 0.0;
+  for (int j = 0; j < p; ++j) {
+    const double y = matrix_[static_cast<std::size_t>(j) * ld + ld - 1];
+    front.half_squared_y += 0.5 * y * y;
+  }
+  arena_.reserve(front.update, updateSize(front.row_size));
+  double* out = front.update.data;
+  for (int j = p; j < ld; ++j)
+    out = std::copy_n(&matrix_[static_cast<std::size_t>(j) * ld + j], ld - j, out);
+  std::copy_n(diagonal_.begin() + p, front.row_size, out);
+}
+
+const std::vector<int>& FrontFactor::solve(LiveProblem& problem, double tolerance) {
+  changed_.clear();
+  moved_.assign(static_cast<std::size_t>(problem.variables()), 0);
+  carried_.resize(static_cast<std::size_t>(problem.tangentSize()), 0.0);
+  stack_ = tree_.roots();
+  while (!stack_.empty()) {
+    const int f = stack_.back();
+    stack_.pop_back();
+    const Front& front = tree_.front(f);
+    const auto any_moved = [&](const Front::List& l) {
+      const auto list = tree_.list(l);
+      return std::any_of(list.begin(), list.end(), [&](int v) { return moved_[v] != 0; });
+    };
+    const bool rows_moved = any_moved(front.rows);
+    if (recompute_[f] || rows_moved) solveFront(problem, front, tolerance);
+    // Dirty fronts lie below dirty ones.
+    if (recompute_[f] || rows_moved || any_moved(front.pivots)) {
+      for (int c = front.first_child; c >= 0; c = tree_.front(c).next_sibling) stack_.push_back(c);
+    }
+    recompute_[f] = 0;
+  }
+  return changed_;
+}
+
+void FrontFactor::solveFront(LiveProblem& problem, const Front& front, double tolerance) {
+  const int p = front.pivot_size, n = p + front.row_size, ld = n + 1;
+  x_.resize(static_cast<std::size_t>(n) + 1);
+  y_.resize(static_cast<std::size_t>(p));
+  int at = 0;
+  for (const int v : tree_.list(front.rows)) {
+    std::copy_n(problem.delta(v), problem.tangentSize(v), &x_[at]);
+    at += problem.tangentSize(v);
+  }
+  const double* const L = front.panel.data;
+  for (int j = 0; j < p; ++j) y_[j] = L[static_cast<std::size_t>(j) * ld + ld - 1];
+  backSubstitute(L, ld, n, p, x_.data(), y_.data());
+  at = 0;
+  for (const int v : tree_.list(front.pivots)) {
+    double* const delta = problem.delta(v);
+    double* const carried = &carried_[problem.tangentOffset(v)];
+    double step = 0.0;
+    for (int i = 0; i < problem.tangentSize(v); ++i) {
+      delta[i] = y_[at++];
+      step = std::max(step, std::abs(delta[i] - carried[i]));
+    }
+    if (!(step <= tolerance)) {
+      changed_.push_back(v);
+      moved_[v] = 1;
+      std::copy_n(delta, problem.tangentSize(v), carried);
+    }
+  }
+}
+
+double FrontFactor::modelDecrease() const {
+  double sum = 0.0;
+  for (int f = 0; f < tree_.fronts(); ++f) sum += tree_.front(f).half_squared_y;
+  return sum;
+}
+
+}  // namespace dynemo::backend

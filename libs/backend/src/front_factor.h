@@ -1,0 +1,66 @@
+// The multifrontal Cholesky factorisation of a live problem, kept up to date front by front.
+//
+// Each front stores its columns of L, and the matrix that its elimination leaves to its parent. A
+// change assembles and eliminates the dirty fronts again, from their own factors and the stored
+// matrices of all their children. The right-hand side −g is one more row of every front, so that
+// the forward substitution comes with the elimination; the sum of squares that it leaves is twice
+// the decrease of the quadratic model.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "block_arena.h"
+#include "front_tree.h"
+#include "live_problem.h"
+
+namespace dynemo::backend {
+
+class FrontFactor {
+ public:
+  /// Orders and lays out the problem anew; nothing is factorised yet.
+  void build(const LiveProblem& problem, CholmodContext& context);
+  FrontTree& tree() { return tree_; }
+  const FrontTree& tree() const { return tree_; }
+
+  /// Factorises what is dirty. Returns the variable where the matrix is singular or indefinite; the
+  /// factorisation must then be built anew.
+  std::optional<int> factorize(LiveProblem& problem);
+  /// Flops and fronts of the last factorize().
+  double lastFlops() const { return last_flops_; }
+  int lastFronts() const { return last_fronts_; }
+
+  /// Brings δ up to date, from the roots down, as far as it changes: below variables that moved by
+  /// no more than `tolerance` since they were last carried down, nothing is visited. Returns the
+  /// variables that moved by more.
+  const std::vector<int>& solve(LiveProblem& problem, double tolerance);
+
+  /// F(x₀) − min of the quadratic model, ½ ‖y‖².
+  double modelDecrease() const;
+  std::size_t storedDoubles() const { return arena_.capacity(); }
+
+ private:
+  bool factorizeFront(LiveProblem& problem, int front);
+  void placeRows(const LiveProblem& problem, const Front& front);
+  void assembleFactors(LiveProblem& problem, const Front& front, int ld);
+  void assembleChild(const LiveProblem& problem, const Front& child, int ld);
+  bool pivotsAreSound(const Front& front, int ld) const;
+  void storeFront(Front& front, int ld);
+  void solveFront(LiveProblem& problem, const Front& front, double tolerance);
+
+  FrontTree tree_;
+  BlockArena arena_;
+  std::vector<double> matrix_;    ///< of the front in work, lower triangle, right-hand side last
+  std::vector<double> diagonal_;  ///< of H, before any elimination, of the front in work
+  std::vector<int> place_;        ///< per variable, in the front in work
+  std::vector<char> recompute_;   ///< per front
+  std::vector<int> factorized_;
+  std::vector<double> carried_;  ///< δ as the fronts below last saw it
+  std::vector<char> moved_;      ///< per variable, in the solution in work
+  std::vector<int> changed_, stack_;
+  std::vector<double> x_, y_;
+  double last_flops_ = 0.0;
+  int last_fronts_ = 0, singular_ = -1;
+};
+
+}  // namespace dynemo::backend

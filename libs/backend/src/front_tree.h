@@ -1,0 +1,104 @@
+// The elimination tree of a live problem in fronts: which variables are eliminated together, and
+// which others each elimination couples.
+//
+// A front eliminates its pivots; what it couples are its rows, all later in the order. Its parent
+// is the front that eliminates the first of its rows. A factor belongs to the front that eliminates
+// the first of its variables. So a change to a factor touches only the fronts on the path from
+// there to the root, and everything else of the factorisation stays valid.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "block_arena.h"
+#include "cholmod_context.h"
+#include "live_problem.h"
+
+namespace dynemo::backend {
+
+struct Front {
+  /// A list in FrontTree's index pool.
+  struct List {
+    int begin = 0, size = 0, capacity = 0;
+  };
+  List pivots, rows;  ///< variables, in elimination order
+  int key = 0;        ///< position of the first pivot; children have smaller ones
+  int parent = -1, first_child = -1, next_sibling = -1;
+  int pivot_size = 0, row_size = 0;  ///< in tangent entries
+  bool dirty = false;
+
+  // Numbers, see front_factor.h.
+  BlockArena::Block panel, update;
+  double half_squared_y = 0.0;
+  double flops() const {
+    const double p = pivot_size, n = p + row_size + 1;
+    return p * p * p / 3 + p * p * (n - p) + p * (n - p) * (n - p);
+  }
+};
+
+class FrontTree {
+ public:
+  /// Orders all variables anew: nested dissection (minimum degree when there are few), with hubs
+  /// that the newest factors touch at the end. Every front is dirty then.
+  void build(const LiveProblem& problem, CholmodContext& context);
+  /// Puts the variables at the end of the order, as pivots of fronts of their own.
+  void append(const LiveProblem& problem, std::span<const int> variables);
+
+  /// Tells the tree about a factor; its front becomes dirty.
+  void addFactor(const LiveProblem& problem, int factor);
+  /// Before the problem forgets the factor.
+  void removeFactor(const LiveProblem& problem, int factor);
+  void touchFactor(const LiveProblem& problem, int factor) { touch(ownerOf(problem, factor)); }
+  /// Before the problem forgets the variable, which has no factor any more.
+  void removeVariable(int variable);
+
+  /// Takes the dirty fronts and their ancestors one by one, children first, with their structure
+  /// brought up to date; −1 when there is none left.
+  int nextDirty(const LiveProblem& problem);
+
+  int fronts() const { return static_cast<int>(fronts_.size()); }
+  Front& front(int f) { return fronts_[f]; }
+  const Front& front(int f) const { return fronts_[f]; }
+  std::span<const int> list(const Front::List& l) const {
+    return {pool_.data() + l.begin, static_cast<std::size_t>(l.size)};
+  }
+  int frontOf(int variable) const { return front_of_[variable]; }
+  bool placed(int variable) const {
+    return variable < static_cast<int>(front_of_.size()) && front_of_[variable] >= 0;
+  }
+  int position(int variable) const { return position_[variable]; }
+  /// Factors of which the variable is the first in the order.
+  template <class Visit>
+  void forEachOwnedFactor(int variable, Visit visit) const {
+    for (int f = first_owned_[variable]; f >= 0; f = next_owned_[f]) visit(f);
+  }
+  /// Fronts without parents, ascending.
+  std::vector<int> roots() const;
+  /// Flops of factorising every front.
+  double flops() const;
+
+ private:
+  void touch(int variable);
+  void markDirty(int front);
+  int ownerOf(const LiveProblem& problem, int factor) const;
+  void own(const LiveProblem& problem, int factor);
+  void updateStructure(const LiveProblem& problem, int front);
+  void setParent(int front, int parent);
+  void store(Front::List& list, const std::vector<int>& values);
+  std::vector<int> order(const LiveProblem& problem, CholmodContext& context,
+                         std::vector<int>& hubs) const;
+  void layOut(const LiveProblem& problem, const std::vector<int>& order,
+              const std::vector<int>& hubs, CholmodContext& context);
+
+  std::vector<Front> fronts_;
+  std::vector<int> pool_;
+  std::vector<int> front_of_, position_, first_owned_;
+  std::vector<int> next_owned_;
+  std::vector<std::pair<int, int>> dirty_;  ///< min-heap of (key, front)
+  int next_position_ = 0;
+  // Scratch.
+  std::vector<int> stamp_, rows_;
+  int current_stamp_ = 0;
+};
+
+}  // namespace dynemo::backend

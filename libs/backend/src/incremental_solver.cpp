@@ -1,0 +1,268 @@
+#include "incremental_solver.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "cholmod_context.h"
+#include "stopwatch.h"
+
+namespace dynemo::backend {
+namespace {
+
+/// Share of new variables from which a fresh order is better than an extended one.
+constexpr double kRenewalGrowth = 0.25;
+/// The price of a renewal besides the factorisation, in flops to every variable: ordering, symbolic
+/// analysis and a linearisation of everything; ordering many takes more.
+constexpr double kRenewalPriceOfFew = 1e5, kRenewalPriceOfMany = 5e5;
+constexpr int kMany = 1000;
+/// Steps over which the present price of one is averaged.
+constexpr std::size_t kWorkWindow = 5;
+/// Difference between cost and model, relative to the cost, that asks for another step.
+constexpr double kNonlinearity = 3e-4;
+/// The same when robust weights have changed: their steps close in on the minimum more slowly.
+constexpr double kNonlinearityOfWeights = 5e-5;
+/// Relative rounding error of the sum of squares.
+constexpr double kCostRounding = 1e-12;
+/// More steps than this are better taken with damping.
+constexpr int kMaxSteps = 5;
+/// Steps after the first linearise anew what has moved by this fraction of the usual distance.
+constexpr double kTighterRelinearization = 0.1;
+
+void mark(std::vector<char>& is, std::vector<int>& list, int i) {
+  if (static_cast<std::size_t>(i) >= is.size()) is.resize(static_cast<std::size_t>(i) + 1, 0);
+  if (is[i]) return;
+  is[i] = 1;
+  list.push_back(i);
+}
+
+void unmark(std::vector<char>& is, std::vector<int>& list) {
+  for (const int i : list) is[i] = 0;
+  list.clear();
+}
+
+}  // namespace
+
+void IncrementalSolver::reset() {
+  problem_ = LiveProblem();
+  unmark(is_pending_, pending_);
+  unmark(is_changed_, changed_);
+  unmark(is_cost_, costs_);
+  needs_build_ = true;
+  solved_ = false;
+}
+
+bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const NodeId> moved) {
+  for (std::size_t i = 0; i < problem_.nodeSlots(); ++i) {
+    const int v = problem_.variableOf({i});
+    if (v < 0) continue;
+    const bool same = i < graph.nodeSlots().size() && graph.nodeSlots()[i] == problem_.node(v);
+    // Another graph, unless the node is merely gone.
+    if (!same && (i >= graph.nodeSlots().size() || graph.nodeSlots()[i])) {
+      reset();
+      break;
+    }
+  }
+  removeMissing(graph);
+  const bool mostly_new = addNew(graph);
+  for (const NodeId node : moved) {
+    const int v = problem_.variableOf(node);
+    if (v < 0) continue;
+    state_.resize(static_cast<std::size_t>(problem_.node(v)->stateSize()));
+    problem_.node(v)->readState(state_.data());
+    problem_.setState(v, state_.data());
+    takeState(v);
+  }
+  return mostly_new;
+}
+
+void IncrementalSolver::takeState(int v) {
+  solved_ = false;
+  problem_.forEachFactorOf(v, [this](int f) {
+    touchCost(f);
+    if (!needs_build_) factor_.tree().touchFactor(problem_, f);
+  });
+}
+
+void IncrementalSolver::touchCost(int f) { mark(is_cost_, costs_, f); }
+
+void IncrementalSolver::removeMissing(const CSceneGraph& graph) {
+  for (std::size_t i = 0; i < problem_.edgeSlots(); ++i) {
+    const int f = problem_.factorOf({i});
+    if (f < 0 || (i < graph.edgeSlots().size() && graph.edgeSlots()[i] == problem_.edge(f)))
+      continue;
+    solved_ = false;
+    if (!needs_build_) factor_.tree().removeFactor(problem_, f);
+    const auto variables = problem_.variablesOf(f);
+    const std::vector<int> ends(variables.begin(), variables.end());
+    problem_.removeFactor(f);
+    for (const int v : ends) {
+      if (!problem_.alive(v) || problem_.degree(v) > 0) continue;
+      if (!needs_build_) factor_.tree().removeVariable(v);
+      problem_.removeVariable(v);
+    }
+  }
+}
+
+bool IncrementalSolver::addNew(const CSceneGraph& graph) {
+  const int known = problem_.variables();
+  std::vector<int> factors;
+  for (std::size_t i = 0; i < graph.edgeSlots().size(); ++i) {
+    const auto& edge = graph.edgeSlots()[i];
+    if (!edge || problem_.factorOf({i}) >= 0) continue;
+    for (const NodeId node : edge->nodes) {
+      if (problem_.variableOf(node) < 0) problem_.addVariable(graph.nodeSlots()[node.value]);
+    }
+    factors.push_back(problem_.addFactor(edge));
+    touchCost(factors.back());
+  }
+  if (factors.empty()) return false;
+  solved_ = false;
+  const int added = problem_.variables() - known;
+  const bool mostly_new = added > kRenewalGrowth * known;
+  needs_build_ |= mostly_new;
+  if (needs_build_) return mostly_new;
+  std::vector<int> variables(static_cast<std::size_t>(added));
+  std::iota(variables.begin(), variables.end(), known);
+  factor_.tree().append(problem_, variables);
+  for (const int f : factors) factor_.tree().addFactor(problem_, f);
+  return false;
+}
+
+std::size_t IncrementalSolver::nodes() const {
+  std::size_t count = 0;
+  for (int v = 0; v < problem_.variables(); ++v) count += problem_.alive(v) ? 1 : 0;
+  return count;
+}
+
+std::size_t IncrementalSolver::tangentSize() const {
+  std::size_t sum = 0;
+  for (int v = 0; v < problem_.variables(); ++v)
+    if (problem_.alive(v)) sum += static_cast<std::size_t>(problem_.tangentSize(v));
+  return sum;
+}
+
+bool IncrementalSolver::renewalIsDue() const {
+  if (needs_build_) return true;
+  if (work_.size() < 2 * kWorkWindow) return false;
+  // The average over the time between two renewals is least when the present step costs as much.
+  const double total = std::accumulate(work_.begin(), work_.end(), renewal_work_);
+  const double recent = std::accumulate(work_.end() - kWorkWindow, work_.end(), 0.0);
+  return recent / kWorkWindow > total / static_cast<double>(work_.size());
+}
+
+void IncrementalSolver::renew() {
+  // Only what is alive, by id, linearised where the estimates are.
+  std::vector<std::pair<std::uint64_t, int>> nodes, edges;
+  for (int v = 0; v < problem_.variables(); ++v)
+    if (problem_.alive(v)) nodes.emplace_back(problem_.node(v)->id.value, v);
+  for (int f = 0; f < problem_.factors(); ++f)
+    if (problem_.edge(f)) edges.emplace_back(problem_.edge(f)->id.value, f);
+  std::sort(nodes.begin(), nodes.end());
+  std::sort(edges.begin(), edges.end());
+  LiveProblem fresh;
+  for (const auto& [id, v] : nodes) fresh.addVariable(problem_.node(v), problem_.estimate(v));
+  for (const auto& [id, f] : edges) fresh.addFactor(problem_.edge(f));
+  problem_ = std::move(fresh);
+  unmark(is_pending_, pending_);
+  unmark(is_cost_, costs_);
+  for (int f = 0; f < problem_.factors(); ++f) problem_.updateCost(f);
+  factor_.build(problem_, context_);
+  needs_build_ = false;
+  work_.clear();
+  renewal_work_ = 0.0;
+  renewed_ = true;
+}
+
+void IncrementalSolver::relinearizePending() {
+  for (const int v : pending_) {
+    if (!problem_.alive(v)) continue;
+    problem_.relinearize(v);
+    problem_.forEachFactorOf(v, [this](int f) { factor_.tree().touchFactor(problem_, f); });
+  }
+  unmark(is_pending_, pending_);
+}
+
+void IncrementalSolver::updateEstimates(const std::vector<int>& variables) {
+  for (const int v : variables) {
+    problem_.updateEstimate(v);
+    mark(is_changed_, changed_, v);
+    problem_.forEachFactorOf(v, [this](int f) { touchCost(f); });
+  }
+}
+
+bool IncrementalSolver::step(OptimizationReport& report) {
+  {
+    const ScopedTimer timer(report.numeric_ms);
+    relinearizePending();
+    if (factor_.factorize(problem_)) return false;
+  }
+  ++report.factorizations;
+  {
+    const ScopedTimer timer(report.solve_ms);
+    updateEstimates(factor_.solve(problem_, params_.propagate_above));
+  }
+  const ScopedTimer timer(report.linearize_ms);
+  for (const int f : costs_) {
+    if (!problem_.edge(f)) continue;
+    problem_.updateCost(f);
+    if (!problem_.weightIsStale(f)) continue;
+    for (const int v : problem_.variablesOf(f)) mark(is_pending_, pending_, v);
+  }
+  unmark(is_cost_, costs_);
+  return true;
+}
+
+void IncrementalSolver::prepare(OptimizationReport& report) {
+  if (!renewalIsDue()) return;
+  const ScopedTimer timer(report.ordering_ms);
+  renew();
+}
+
+bool IncrementalSolver::solve(OptimizationReport& report) {
+  const SingleThreadedBlas single_threaded;
+  unmark(is_changed_, changed_);
+  prepare(report);
+  for (const int f : costs_) {
+    if (problem_.edge(f)) problem_.updateCost(f);
+  }
+  unmark(is_cost_, costs_);
+  report.cost_before = report.cost_after = problem_.cost();
+  if (!std::isfinite(report.cost_before)) return false;
+
+  double work = 0.0;
+  for (int i = 0;; ++i) {
+    if (i == kMaxSteps) return false;
+    if (!step(report)) return false;
+    work += factor_.lastFlops();
+    const double cost = problem_.cost(),
+                 model = problem_.linearizedCost() - factor_.modelDecrease();
+    if (!std::isfinite(cost)) return false;
+    ++report.iterations;
+    report.cost_after = cost;
+    const double mismatch = std::abs(cost - model);
+    const double tolerance = pending_.empty() ? kNonlinearity : kNonlinearityOfWeights;
+    const double limit = params_.relinearize_above * (i == 0 ? 1.0 : kTighterRelinearization);
+    for (const int v : changed_) {
+      const double* d = problem_.delta(v);
+      for (int k = 0; k < problem_.tangentSize(v); ++k)
+        if (std::abs(d[k]) > limit) mark(is_pending_, pending_, v);
+    }
+    const bool good =
+        mismatch <= tolerance * cost && cost <= report.cost_before * (1.0 + kCostRounding);
+    if (good || pending_.empty()) break;
+  }
+  if (report.cost_after > report.cost_before * (1.0 + kCostRounding) + kCostRounding) return false;
+  if (renewed_) {
+    const int n = problem_.variables();
+    renewal_work_ = work + n * (n < kMany ? kRenewalPriceOfFew : kRenewalPriceOfMany);
+  } else {
+    work_.push_back(work);
+  }
+  renewed_ = false;
+  report.stop = StopReason::kConverged;
+  solved_ = true;
+  return true;
+}
+
+}  // namespace dynemo::backend

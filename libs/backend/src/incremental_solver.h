@@ -1,0 +1,76 @@
+// One exact step per change of the graph: only what the change touches is linearised, factorised
+// and solved again.
+//
+// The normal equations are those of the linearisation points x₀, and the estimate is x₀ ⊞ δ with
+// the minimiser δ. A variable whose δ has grown beyond `relinearize_above` moves its x₀ there,
+// which dirties the fronts of its factors. When the true cost differs from the quadratic model's,
+// another step follows at once. The elimination order is renewed, and everything linearised anew,
+// when the steps since the last renewal have become dear enough to pay for it.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "dynemo/backend/optimizer.h"
+#include "front_factor.h"
+#include "live_problem.h"
+
+namespace dynemo::backend {
+
+class IncrementalSolver {
+ public:
+  explicit IncrementalSolver(const SolverParams& params) : params_(params) {}
+
+  /// Takes over nodes and edges that came and went, and the current estimates of the nodes in
+  /// `moved`, which somebody else has changed. Reads the graph; solve() does not. True when most of
+  /// the graph was not known before.
+  bool synchronize(const CSceneGraph& graph, std::span<const NodeId> moved);
+  /// Forgets everything; the next synchronisation starts from the graph as it is.
+  void reset();
+
+  /// Renews the elimination order when that is due; solve() would. METIS draws from the C library's
+  /// random numbers, so a solve() on another thread wants this done before, on the caller's.
+  void prepare(OptimizationReport& report);
+  /// One step, more when the cost asks for it. False when there is no solution to be had this way
+  /// (a free gauge, a cost that is not finite or that rises): reset() is then due.
+  bool solve(OptimizationReport& report);
+
+  const LiveProblem& problem() const { return problem_; }
+  const FrontFactor& factor() const { return factor_; }
+  /// Of the variables that are alive.
+  std::size_t nodes() const;
+  std::size_t tangentSize() const;
+  /// Variables whose estimate solve() changed.
+  std::span<const int> changed() const { return changed_; }
+  /// The factorisation belongs to the graph as of the last synchronisation.
+  bool solved() const { return solved_; }
+
+ private:
+  void removeMissing(const CSceneGraph& graph);
+  bool addNew(const CSceneGraph& graph);
+  void takeState(int variable);
+  bool renewalIsDue() const;
+  void renew();
+  void relinearizePending();
+  void updateEstimates(const std::vector<int>& variables);
+  void touchCost(int factor);
+  bool step(OptimizationReport& report);
+
+  SolverParams params_;
+  CholmodContext context_;
+  LiveProblem problem_;
+  FrontFactor factor_;
+  bool needs_build_ = true, renewed_ = false, solved_ = false;
+
+  std::vector<int> pending_;      ///< variables to relinearise
+  std::vector<char> is_pending_;  ///< per variable
+  std::vector<int> changed_, costs_;
+  std::vector<char> is_changed_, is_cost_;
+  std::vector<double> state_;
+
+  // Work since the order was renewed [flop].
+  std::vector<double> work_;
+  double renewal_work_ = 0.0;
+};
+
+}  // namespace dynemo::backend

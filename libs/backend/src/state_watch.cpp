@@ -1,0 +1,41 @@
+#include "state_watch.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace dynemo::backend {
+
+std::span<const NodeId> StateWatch::moved(const CSceneGraph& graph) {
+  moved_.clear();
+  const auto& slots = graph.nodeSlots();
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const std::size_t size = slots[i] ? static_cast<std::size_t>(slots[i]->stateSize()) : 0;
+    const bool known = i + 1 < offset_.size();
+    if (!known) {
+      offset_.push_back(offset_.back() + size);
+      states_.resize(offset_.back());
+    }
+    // A removed node keeps its place; another kind of node in its slot belongs to another graph.
+    if (size == 0 || size != offset_[i + 1] - offset_[i]) continue;
+    double* const seen = &states_[offset_[i]];
+    if (!known) {
+      slots[i]->readState(seen);
+      continue;
+    }
+    read_.resize(size);
+    slots[i]->readState(read_.data());
+    // Bytes: a state that is not a number equals itself.
+    if (std::memcmp(read_.data(), seen, size * sizeof(double)) == 0) continue;
+    std::copy(read_.begin(), read_.end(), seen);
+    moved_.push_back({i});
+  }
+  return moved_;
+}
+
+void StateWatch::record(const CNodeBase& node, const double* state) {
+  const std::size_t i = node.id.value;
+  if (i + 1 >= offset_.size()) return;
+  std::copy_n(state, offset_[i + 1] - offset_[i], &states_[offset_[i]]);
+}
+
+}  // namespace dynemo::backend

@@ -1,0 +1,186 @@
+// The parts of the multifrontal factorisation, each against dense algebra.
+#include "front_factor.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <random>
+
+#include "block_arena.h"
+#include "dense_kernels.h"
+#include "generated_graph.h"
+
+namespace dynemo::test {
+namespace {
+
+using namespace backend;
+
+MatrixX randomSpd(int n, std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  MatrixX A(n, n);
+  for (double& a : A.reshaped()) a = std::normal_distribution<double>()(rng);
+  return A * A.transpose() + MatrixX::Identity(n, n);
+}
+
+/// Sizes on both sides of every threshold of the kernels.
+class Kernels : public ::testing::TestWithParam<std::pair<int, int>> {};
+
+TEST_P(Kernels, FactorizePivotsAsTheDenseAlgebra) {
+  const auto [rows, pivots] = GetParam();
+  const MatrixX A = randomSpd(rows, 7);
+  MatrixX work = A;
+  ASSERT_EQ(factorizePivots(work.data(), rows, rows, pivots), -1);
+  const MatrixX L = A.llt().matrixL();
+  const MatrixX panel = work.leftCols(pivots).triangularView<Eigen::Lower>();
+  EXPECT_LT((panel - L.leftCols(pivots)).norm(), 1e-10 * L.norm());
+  const MatrixX schur = A - L.leftCols(pivots) * L.leftCols(pivots).transpose();
+  const int r = rows - pivots;
+  const MatrixX difference = work.bottomRightCorner(r, r) - schur.bottomRightCorner(r, r);
+  EXPECT_LT(MatrixX(difference.triangularView<Eigen::Lower>()).norm(), 1e-9 * A.norm());
+}
+
+TEST_P(Kernels, FindTheFirstBadPivot) {
+  const auto [rows, pivots] = GetParam();
+  for (const int bad : {0, pivots / 2, pivots - 1}) {
+    MatrixX A = randomSpd(rows, 8);
+    const MatrixX L = A.llt().matrixL();
+    A(bad, bad) -= 1.001 * L(bad, bad) * L(bad, bad);
+    EXPECT_EQ(factorizePivots(A.data(), rows, rows, pivots), bad);
+  }
+}
+
+TEST_P(Kernels, BackSubstitutionSolves) {
+  const auto [rows, pivots] = GetParam();
+  MatrixX L = randomSpd(rows, 9);
+  factorizePivots(L.data(), rows, rows, pivots);
+  const VectorX x = VectorX::LinSpaced(rows, -1.0, 2.0);
+  VectorX y = MatrixX(L.leftCols(pivots).triangularView<Eigen::Lower>()).transpose() * x;
+  backSubstitute(L.data(), rows, rows, pivots, x.data() + pivots, y.data());
+  EXPECT_LT((y - x.head(pivots)).norm(), 1e-9 * x.norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, Kernels,
+                         ::testing::Values(std::pair{1, 1}, std::pair{7, 6}, std::pair{36, 24},
+                                           std::pair{37, 24}, std::pair{49, 48}, std::pair{97, 49},
+                                           std::pair{130, 96}, std::pair{151, 150}));
+
+TEST(BlockArena, BlocksDoNotOverlapAndAreUsedAgain) {
+  BlockArena arena;
+  std::mt19937_64 rng(3);
+  std::vector<BlockArena::Block> blocks(200);
+  std::vector<std::size_t> sizes(blocks.size());
+  for (int round = 0; round < 20; ++round) {
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      sizes[i] = 1 + rng() % (i % 50 == 0 ? 200'000 : 3'000);
+      arena.reserve(blocks[i], sizes[i]);
+      std::fill_n(blocks[i].data, sizes[i], static_cast<double>(i));
+    }
+    for (std::size_t i = 0; i < blocks.size(); ++i)
+      for (const std::size_t at : {std::size_t{0}, sizes[i] - 1})
+        ASSERT_EQ(blocks[i].data[at], static_cast<double>(i));
+  }
+  const std::size_t capacity = arena.capacity();
+  for (auto& block : blocks) {
+    const std::size_t size = block.capacity;
+    arena.release(block);
+    arena.reserve(block, size);
+  }
+  EXPECT_EQ(arena.capacity(), capacity);
+}
+
+/// H and −g of a live problem, densely.
+struct Dense {
+  explicit Dense(LiveProblem& problem)
+      : H(MatrixX::Zero(problem.tangentSize(), problem.tangentSize())),
+        b(VectorX::Zero(problem.tangentSize())) {
+    WhitenedFactor work;
+    for (int f = 0; f < problem.factors(); ++f) {
+      if (!problem.edge(f)) continue;
+      problem.linearize(f, work);
+      const auto variables = problem.variablesOf(f);
+      for (std::size_t i = 0; i < variables.size(); ++i) {
+        const int at = problem.tangentOffset(variables[i]);
+        b.segment(at, work.J[i].cols()) -= work.J[i].transpose() * work.e;
+        for (std::size_t j = 0; j < variables.size(); ++j) {
+          H.block(at, problem.tangentOffset(variables[j]), work.J[i].cols(), work.J[j].cols()) +=
+              work.J[i].transpose() * work.J[j];
+        }
+      }
+    }
+  }
+  MatrixX H;
+  VectorX b;
+};
+
+void expectSolved(LiveProblem& problem, const FrontFactor& factor) {
+  const Dense dense(problem);
+  const VectorX expected = dense.H.ldlt().solve(dense.b);
+  const VectorX actual = Eigen::Map<const VectorX>(problem.delta(0), problem.tangentSize());
+  EXPECT_LT((actual - expected).norm(), 1e-7 * (1.0 + expected.norm()));
+  EXPECT_NEAR(factor.modelDecrease(), 0.5 * dense.b.dot(expected),
+              1e-6 * (1.0 + factor.modelDecrease()));
+}
+
+TEST(FrontFactor, SolvesAfterEveryChange) {
+  const CSceneGraph graph =
+      generateGraph({.seed = 31, .keyframes_per_lap = 16, .loop_every = 5}, 60);
+  LiveProblem problem;
+  CholmodContext context;
+  FrontFactor factor;
+  const auto& edges = graph.edgeSlots();
+  std::size_t next = 0;
+  const auto addUpTo = [&](std::size_t end, bool built) {
+    std::vector<int> variables, factors;
+    for (; next < end; ++next) {
+      for (const NodeId node : edges[next]->nodes)
+        if (problem.variableOf(node) < 0)
+          variables.push_back(problem.addVariable(graph.nodeSlots()[node.value]));
+      factors.push_back(problem.addFactor(edges[next]));
+    }
+    if (!built) return;
+    factor.tree().append(problem, variables);
+    for (const int f : factors) factor.tree().addFactor(problem, f);
+  };
+  addUpTo(edges.size() / 2, false);
+  factor.build(problem, context);
+  ASSERT_FALSE(factor.factorize(problem));
+  factor.solve(problem, 0.0);
+  expectSolved(problem, factor);
+
+  std::mt19937_64 rng(5);
+  while (next < edges.size()) {
+    addUpTo(std::min(edges.size(), next + 9), true);
+    // A loop closure or a detection that turns out wrong, and a variable that has moved.
+    const int f = static_cast<int>(rng() % static_cast<std::uint64_t>(problem.factors()));
+    if (problem.edge(f) && std::string(problem.edge(f)->kind()) == "intra_entity") {
+      factor.tree().removeFactor(problem, f);
+      problem.removeFactor(f);
+    }
+    const int v = static_cast<int>(rng() % static_cast<std::uint64_t>(problem.variables()));
+    problem.updateEstimate(v);
+    problem.relinearize(v);
+    problem.forEachFactorOf(v, [&](int g) { factor.tree().touchFactor(problem, g); });
+    ASSERT_FALSE(factor.factorize(problem));
+    EXPECT_LE(factor.lastFronts(), factor.tree().fronts());
+    factor.solve(problem, 0.0);
+    expectSolved(problem, factor);
+  }
+}
+
+TEST(FrontFactor, AFreeGaugeIsSingular) {
+  const CSceneGraph graph =
+      generateGraph({.seed = 32, .pose_prior = false, .floor_prior = false}, 20);
+  LiveProblem problem;
+  for (const auto& edge : graph.edgeSlots()) {
+    for (const NodeId node : edge->nodes)
+      if (problem.variableOf(node) < 0) problem.addVariable(graph.nodeSlots()[node.value]);
+    problem.addFactor(edge);
+  }
+  CholmodContext context;
+  FrontFactor factor;
+  factor.build(problem, context);
+  EXPECT_TRUE(factor.factorize(problem));
+}
+
+}  // namespace
+}  // namespace dynemo::test
