@@ -1,15 +1,17 @@
 #include "dynemo/backend/chordal_initialization.h"
 
+#include <Eigen/CholmodSupport>
 #include <Eigen/Dense>
-#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <numeric>
 
+#include "cholmod_context.h"
 #include "dynemo/graph/edge_relative_pose.h"
 
 namespace dynemo {
 namespace {
 
+using backend::SingleThreadedBlas;
 using Sparse = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
@@ -86,7 +88,10 @@ class RowSystem {
   Expected<MatrixX, std::string> solve() const {
     Sparse A(rhs_.rows(), rhs_.rows());
     A.setFromTriplets(entries_.begin(), entries_.end());
-    const Eigen::SimplicialLDLT<Sparse> factor(A);
+    const SingleThreadedBlas single_threaded;
+    Eigen::CholmodDecomposition<Sparse> factor;
+    factor.cholmod().print = 0;
+    factor.compute(A);
     if (factor.info() != Eigen::Success)
       return make_unexpected(std::string("its linear system is singular"));
     MatrixX x = factor.solve(rhs_);

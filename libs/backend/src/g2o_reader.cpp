@@ -1,89 +1,32 @@
 #include <Eigen/Eigenvalues>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <istream>
 #include <string_view>
 
 #include "dynemo/backend/g2o_io.h"
 #include "dynemo/core/error.h"
+#include "dynemo/core/mrpt_conversions.h"
 #include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
+#include "g2o_edge.h"
 #include "g2o_information.h"
+#include "g2o_line.h"
 
 namespace dynemo {
 namespace {
+
+using backend::Line;
 
 /// Standard deviation of the prior that stands for FIX [m, rad].
 constexpr double kFixedSigma = 1e-4;
 /// A repaired matrix keeps its largest eigenvalue and has none below this fraction of it.
 constexpr double kRepairedConditioning = 1e-6;
 
-/// One record, taken apart token by token; every complaint names file and line.
-class Line {
- public:
-  Line(std::string_view text, const std::string& name, int number)
-      : rest_(text), name_(name), number_(number) {}
-
-  [[noreturn]] void fail(const std::string& what) const {
-    throw DataError(name_ + ": line " + std::to_string(number_) + ": " + what);
-  }
-  std::string_view word() {
-    const auto first = rest_.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) return rest_ = {};
-    const auto last = std::min(rest_.find_first_of(" \t\r", first), rest_.size());
-    const std::string_view token = rest_.substr(first, last - first);
-    rest_.remove_prefix(last);
-    return token;
-  }
-  std::uint64_t id() { return parse<std::uint64_t>("a vertex id"); }
-  double number() {
-    const double value = parse<double>("a number");
-    if (!std::isfinite(value)) fail("a value is not finite");
-    return value;
-  }
-  Pose3 pose() {
-    double v[7];
-    for (double& x : v) x = number();
-    const Eigen::Quaterniond q(v[6], v[3], v[4], v[5]);
-    if (!(q.norm() > 1e-6 && q.norm() < 1e6)) fail("the quaternion is not of unit length");
-    return {q, Vector3(v[0], v[1], v[2])};
-  }
-  /// 21 values of the upper triangle, row by row.
-  Matrix6 symmetricMatrix() {
-    Matrix6 m;
-    for (int r = 0; r < 6; ++r)
-      for (int c = r; c < 6; ++c) m(r, c) = m(c, r) = number();
-    return m;
-  }
-  void end() {
-    if (!word().empty()) fail("more values than expected");
-  }
-
- private:
-  template <class T>
-  T parse(const char* expected) {
-    std::string_view token = word();
-    if (token.empty()) fail(std::string("expected ") + expected + ", found the end of the line");
-    if (token.front() == '+') token.remove_prefix(1);
-    T value{};
-    const auto [end, error] = std::from_chars(token.data(), token.data() + token.size(), value);
-    if (error != std::errc() || end != token.data() + token.size()) {
-      fail(std::string("expected ") + expected + ", found '" + std::string(token.substr(0, 40)) +
-           "'");
-    }
-    return value;
-  }
-
-  std::string_view rest_;
-  const std::string& name_;
-  int number_;
-};
-
 struct Edge {
   std::uint64_t from, to;
   Pose3 T_from_to;
-  Matrix6 information;  ///< for our residual
+  Matrix6 information;  ///< as the residual has it
+  bool g2o_residual;
   int line;
 };
 
@@ -91,6 +34,7 @@ struct Records {
   std::map<std::uint64_t, Pose3> vertices;
   std::vector<Edge> edges;
   std::map<std::uint64_t, int> fixed;  ///< with the line
+  std::map<std::uint64_t, std::uint64_t> same_as;
   std::size_t repaired = 0;
 };
 
@@ -102,44 +46,107 @@ Matrix6 repaired(const Matrix6& information) {
   return 0.5 * (m + m.transpose());
 }
 
-void readEdge(Line& line, int number, const G2oReadOptions& options, Records& records) {
+/// The matrix of the file when it is positive definite; repaired, when asked for, if it is not.
+Matrix6 checked(const Matrix6& information, const Edge& edge, const Line& line,
+                const G2oReadOptions& options, Records& records) {
+  if (squareRootInformation(information)) return information;
+  if (options.indefinite == G2oReadOptions::Indefinite::kError || information.isZero(0.0)) {
+    line.fail("the information matrix of edge " + std::to_string(edge.from) + " -> " +
+              std::to_string(edge.to) + " is not positive definite");
+  }
+  ++records.repaired;
+  return repaired(information);
+}
+
+Edge readEnds(Line& line, int number) {
   Edge edge{};
   edge.line = number;
   edge.from = line.id();
   edge.to = line.id();
   if (edge.from == edge.to)
     line.fail("an edge from vertex " + std::to_string(edge.from) + " to itself");
+  return edge;
+}
+
+void readQuaternionEdge(Line& line, int number, const G2oReadOptions& options, Records& records) {
+  Edge edge = readEnds(line, number);
   edge.T_from_to = line.pose();
-  edge.information = fromG2oInformation(line.symmetricMatrix());
+  edge.g2o_residual = options.residual == G2oReadOptions::Residual::kG2o;
+  const Matrix6 m = line.symmetricMatrix();
   line.end();
-  if (!squareRootInformation(edge.information)) {
-    if (options.indefinite == G2oReadOptions::Indefinite::kError || edge.information.isZero(0.0)) {
-      line.fail("the information matrix of edge " + std::to_string(edge.from) + " -> " +
-                std::to_string(edge.to) + " is not positive definite");
-    }
-    edge.information = repaired(edge.information);
-    ++records.repaired;
-  }
+  edge.information =
+      checked(edge.g2o_residual ? m : fromG2oInformation(m), edge, line, options, records);
   records.edges.push_back(edge);
+}
+
+/// Information of (x, y, z, roll, pitch, yaw), to that of our tangent.
+Matrix6 fromAngleInformation(const Pose3& T, const Matrix6& information) {
+  static constexpr int kMrptOrder[6] = {0, 1, 2, 5, 4, 3};
+  const Matrix6 covariance = information.inverse();
+  mrpt::math::CMatrixDouble66 mrpt;
+  for (int r = 0; r < 6; ++r)
+    for (int c = 0; c < 6; ++c) mrpt(kMrptOrder[r], kMrptOrder[c]) = covariance(r, c);
+  const Matrix6 m = covarianceFromMrpt(T, mrpt).inverse();
+  return 0.5 * (m + m.transpose());
+}
+
+void readAngleEdge(Line& line, int number, const G2oReadOptions& options, Records& records) {
+  Edge edge = readEnds(line, number);
+  edge.T_from_to = line.poseOfAngles();
+  const Matrix6 m = line.atEnd() ? Matrix6(Matrix6::Identity()) : line.symmetricMatrix();
+  line.end();
+  edge.information = fromAngleInformation(edge.T_from_to, checked(m, edge, line, options, records));
+  records.edges.push_back(edge);
+}
+
+void readVertex(Line& line, bool angles, Records& records) {
+  const std::uint64_t id = line.id();
+  const Pose3 T = angles ? line.poseOfAngles() : line.pose();
+  line.end();
+  if (!records.vertices.emplace(id, T).second)
+    line.fail("vertex " + std::to_string(id) + " appears twice");
 }
 
 void readRecord(Line& line, int number, const G2oReadOptions& options, Records& records) {
   const std::string_view tag = line.word();
   if (tag.empty() || tag.front() == '#') return;
-  if (tag == "VERTEX_SE3:QUAT") {
-    const std::uint64_t id = line.id();
-    const Pose3 T = line.pose();
-    line.end();
-    if (!records.vertices.emplace(id, T).second)
-      line.fail("vertex " + std::to_string(id) + " appears twice");
+  if (tag == "VERTEX_SE3:QUAT" || tag == "VERTEX3") {
+    readVertex(line, tag == "VERTEX3", records);
   } else if (tag == "EDGE_SE3:QUAT") {
-    readEdge(line, number, options, records);
+    readQuaternionEdge(line, number, options, records);
+  } else if (tag == "EDGE3") {
+    readAngleEdge(line, number, options, records);
   } else if (tag == "FIX") {
     records.fixed.emplace(line.id(), number);
     line.end();
+  } else if (tag == "EQUIV") {
+    const std::uint64_t a = line.id(), b = line.id();
+    line.end();
+    if (a != b) records.same_as[std::max(a, b)] = std::min(a, b);
   } else {
     line.fail("unknown record '" + std::string(tag.substr(0, 40)) + "'");
   }
+}
+
+/// Vertices that are said to be others disappear in them.
+void mergeEquivalents(Records& records) {
+  const auto resolve = [&](std::uint64_t id) {
+    for (auto it = records.same_as.find(id); it != records.same_as.end();
+         it = records.same_as.find(id))
+      id = it->second;
+    return id;
+  };
+  for (const auto& [id, other] : records.same_as) {
+    const auto vertex = records.vertices.find(id);
+    if (vertex == records.vertices.end()) continue;
+    records.vertices.emplace(resolve(id), vertex->second);
+    records.vertices.erase(vertex);
+  }
+  for (Edge& edge : records.edges) {
+    edge.from = resolve(edge.from);
+    edge.to = resolve(edge.to);
+  }
+  std::erase_if(records.edges, [](const Edge& edge) { return edge.from == edge.to; });
 }
 
 GraphDelta toDelta(const Records& records, const std::string& name,
@@ -167,7 +174,9 @@ GraphDelta toDelta(const Records& records, const std::string& name,
   };
   for (const Edge& e : records.edges) {
     std::shared_ptr<CEdgeRelativePose> edge;
-    if (e.to == e.from + 1) {
+    if (e.g2o_residual) {
+      edge = std::make_shared<backend::G2oEdge>();
+    } else if (e.to == e.from + 1) {
       edge = std::make_shared<CEdgeOdometry>();
     } else {
       edge = std::make_shared<CEdgeLoopClosure>();
@@ -194,10 +203,13 @@ G2oContents readG2o(std::istream& in, const std::string& name, const G2oReadOpti
     readRecord(line, number, options, records);
   }
   if (in.bad()) throw DataError(name + ": cannot be read");
-  if (records.vertices.empty()) throw DataError(name + ": holds no VERTEX_SE3:QUAT");
+  if (records.vertices.empty()) throw DataError(name + ": holds no VERTEX_SE3:QUAT and no VERTEX3");
+  mergeEquivalents(records);
   G2oContents contents;
   contents.graph.apply(toDelta(records, name, contents.node_of_vertex));
+  contents.relative_edges = records.edges.size();
   contents.repaired_edges = records.repaired;
+  contents.fixed = !records.fixed.empty();
   return contents;
 }
 

@@ -170,5 +170,84 @@ TEST(G2oWriter, EntitiesOnlyWhenAsked) {
   EXPECT_EQ(contents.graph.edgeCount(), 9u + 1u);
 }
 
+TEST(G2oReader, TakesG2osResidualToTheLetterWhenAsked) {
+  G2oReadOptions options;
+  options.residual = G2oReadOptions::Residual::kG2o;
+  const auto contents = read(kVertices + "EDGE_SE3:QUAT 0 5 1 2 3 0 0 0 1" + kInformation, options);
+  // t agrees; q_z = 0.6 with information 12.
+  EXPECT_NEAR(contents.graph.totalCost(), 0.5 * 12 * 0.36, 1e-12);
+  std::ostringstream out;
+  writeG2o(out, contents.graph);
+  EXPECT_CONTAINS(out.str(), " 1 0 0 0 0 0 2 0 0 0 0 3 0 0 0 4 0 0 8 0 12\n");
+}
+
+const std::string kMrptGraph =
+    "VERTEX3 3 0 0 0 0 0 0 | start\n"
+    "VERTEX3 7 1 2 3 0.1 0.2 0.3\n"
+    "FIX 3\n"
+    "EDGE3 3 7 1 2 3 0.1 0.2 0.3 4 0 0 0 0 0 5 0 0 0 0 6 0 0 0 70 0 0 80 0 90\n";
+
+TEST(G2oReader, ReadsMrptsGraphs) {
+  const auto contents = read(kMrptGraph);
+  EXPECT_EQ(contents.graph.nodeCount(), 2u);
+  EXPECT_EQ(contents.relative_edges, 1u);
+  EXPECT_TRUE(contents.fixed);
+  const auto& second = contents.graph.getNode<CNodeKeyframe>(contents.node_of_vertex.at(7));
+  const Pose3 expected = Pose3::fromYawPitchRoll(1, 2, 3, 0.3, 0.2, 0.1);
+  EXPECT_LT(local(expected, second.T_map_node).norm(), 1e-12);
+  EXPECT_LT(contents.graph.totalCost(), 1e-20);
+  // A turn by yaw alone costs ½ · 90 · δ².
+  auto moved = read(kMrptGraph);
+  const double d = 1e-4;
+  moved.graph.keyframes()[1]->T_map_node = Pose3::fromYawPitchRoll(1, 2, 3, 0.3 + d, 0.2, 0.1);
+  EXPECT_NEAR(moved.graph.totalCost(), 0.5 * 90 * d * d, 1e-3 * 90 * d * d);
+}
+
+TEST(G2oReader, MissingInformationOfAnMrptEdgeIsTheIdentity) {
+  const auto contents =
+      read("VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 0 0 0 0 0\nEDGE3 0 1 1 0 0 0 0 0\n");
+  EXPECT_TRUE(contents.graph.edgeSlots()[0]->information().isIdentity(1e-12));
+  EXPECT_FALSE(contents.fixed);
+}
+
+TEST(G2oReader, EquivalentVerticesBecomeOne) {
+  const auto contents = read(
+      "VERTEX3 0 0 0 0 0 0 0\nVERTEX3 1 1 0 0 0 0 0\nVERTEX3 2 5 0 0 0 0 0\n"
+      "EDGE3 0 1 1 0 0 0 0 0\nEDGE3 1 2 4 0 0 0 0 0\nEQUIV 2 0\n");
+  EXPECT_EQ(contents.graph.nodeCount(), 2u);
+  EXPECT_EQ(contents.relative_edges, 2u);
+  EXPECT_EQ(contents.graph.edgeSlots()[1]->nodes[1], contents.node_of_vertex.at(0));
+}
+
+TEST(G2oReader, NamesTheEdgeOfAnMrptGraphWithoutPositiveDefiniteInformation) {
+  std::string text = kMrptGraph;
+  text.replace(text.find(" 90\n"), 4, " -9\n");
+  EXPECT_CONTAINS(complaint(text), "line 4: the information matrix of edge 3 -> 7");
+  G2oReadOptions repair;
+  repair.indefinite = G2oReadOptions::Indefinite::kRepair;
+  EXPECT_EQ(read(text, repair).repaired_edges, 1u);
+}
+
+TEST(G2oRewriter, ReplacesThePosesAndCopiesTheRest) {
+  for (const std::string& text :
+       {"# comment\n" + kMrptGraph,
+        kVertices + "EDGE_SE3:QUAT 0 5" + kIdentityPose + kInformation + "\n"}) {
+    auto contents = read(text);
+    contents.graph.keyframes()[1]->T_map_node = Pose3::fromYawPitchRoll(-4, 5, 6, 1, -0.5, 0.25);
+    std::istringstream in(text);
+    std::ostringstream out;
+    rewriteG2o(in, "graph", contents, out);
+    const auto again = read(out.str());
+    for (std::size_t i = 0; i < 2; ++i) {
+      EXPECT_LT(
+          local(contents.graph.keyframes()[i]->T_map_node, again.graph.keyframes()[i]->T_map_node)
+              .norm(),
+          1e-12);
+    }
+    const std::string edges = text.substr(text.find("EDGE"));
+    EXPECT_CONTAINS(out.str(), edges);
+  }
+}
+
 }  // namespace
 }  // namespace dynemo::test

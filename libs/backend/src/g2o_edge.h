@@ -1,9 +1,10 @@
-// g2o's own error of EDGE_SE3:QUAT, so that published minima in that convention can be reached.
+// g2o's own error of EDGE_SE3:QUAT: what its programs, and the published minima, minimise.
 #pragma once
 
 #include "dynemo/graph/edge_relative_pose.h"
+#include "dynemo/graph/node.h"
 
-namespace dynemo::test {
+namespace dynemo::backend {
 
 /// e = [t; q_xyz] of Z⁻¹ X₁⁻¹ X₂ with q_w ≥ 0, and the information as the file has it.
 class G2oEdge : public CEdgeLoopClosure {
@@ -27,4 +28,4 @@ class G2oEdge : public CEdgeLoopClosure {
   }
 };
 
-}  // namespace dynemo::test
+}  // namespace dynemo::backend
