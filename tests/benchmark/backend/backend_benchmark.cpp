@@ -1,6 +1,11 @@
 // What an optimisation costs: in batch, at every keyframe of a growing map, and beside Ceres. The
-// public pose graphs need the environment variable DYNEMO_POSE_GRAPHS.
+// public pose graphs need the environment variable DYNEMO_POSE_GRAPHS; DYNEMO_BENCHMARK_KEYFRAMES
+// sets the sizes of the maps, e.g. 100,500,2000,10000.
 #include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <sstream>
+#include <string>
 
 #include "ceres_reference.h"
 #include "dynemo/backend/chordal_initialization.h"
@@ -60,6 +65,13 @@ class Phases {
   OptimizationReport last_;
 };
 
+/// Sizes of the maps: DYNEMO_BENCHMARK_KEYFRAMES, separated by commas.
+void mapSizes(benchmark::internal::Benchmark* b) {
+  const char* list = std::getenv("DYNEMO_BENCHMARK_KEYFRAMES");
+  std::istringstream sizes(list && *list ? list : "60");
+  for (std::string size; std::getline(sizes, size, ',');) b->Arg(std::stoi(size));
+}
+
 /// A map of that many keyframes from dead reckoning to the minimum.
 void BM_Batch(benchmark::State& state) {
   CSceneGraph graph = test::generateGraph({}, static_cast<int>(state.range(0)));
@@ -74,7 +86,7 @@ void BM_Batch(benchmark::State& state) {
   }
   phases.show(state);
 }
-BENCHMARK(BM_Batch)->Arg(100)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_Batch)->Apply(mapSizes)->Unit(benchmark::kMillisecond);
 
 /// One iteration with everything computed anew.
 void BM_BatchOneStep(benchmark::State& state) {
@@ -92,33 +104,78 @@ void BM_BatchOneStep(benchmark::State& state) {
   }
   phases.show(state);
 }
-BENCHMARK(BM_BatchOneStep)->Arg(100)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_BatchOneStep)->Apply(mapSizes)->Unit(benchmark::kMillisecond);
 
-/// Re-optimisation after each new keyframe of a map that has that many already.
-void BM_EveryKeyframe(benchmark::State& state) {
-  test::GeneratedWorld world({});
-  CSceneGraph graph;
-  Optimizer optimizer({});
-  for (int k = 0; k < state.range(0); ++k) {
-    graph.apply(world.nextKeyframe(graph));
-    if (k % 50 == 49) optimizer.optimize(graph);
+/// A map of that many keyframes at its minimum, and the world that continues it.
+struct GrownMap {
+  explicit GrownMap(int keyframes) : world(test::WorldParams{}) {
+    Optimizer optimizer({});
+    for (int k = 0; k < keyframes; ++k) {
+      graph.apply(world.nextKeyframe(graph));
+      if (k < 100 || k % 10 == 9) optimizer.optimize(graph);
+    }
   }
-  optimizer.optimize(graph);
+  test::GeneratedWorld world;
+  CSceneGraph graph;
+};
+
+/// Re-optimisation after each new keyframe of a map that has that many already, warm up left out.
+void BM_EveryKeyframe(benchmark::State& state, SolverParams::Method method) {
+  GrownMap map(static_cast<int>(state.range(0)));
+  SolverParams params;
+  params.method = method;
+  Optimizer optimizer(params);
+  const int warm_up = method == SolverParams::Method::kBatch ? 2 : 40;
+  for (int k = 0; k < warm_up; ++k) {
+    map.graph.apply(map.world.nextKeyframe(map.graph));
+    optimizer.optimize(map.graph);
+  }
   Phases phases;
   for (auto _ : state) {
     state.PauseTiming();
-    graph.apply(world.nextKeyframe(graph));
+    map.graph.apply(map.world.nextKeyframe(map.graph));
     state.ResumeTiming();
-    phases.add(optimizer.optimize(graph));
+    phases.add(optimizer.optimize(map.graph));
   }
   phases.show(state);
+  // The cost over the minimum.
+  const double cost = map.graph.totalCost();
+  state.counters["excess"] = cost / optimizer.optimizeFully(map.graph).cost_after - 1.0;
 }
-BENCHMARK(BM_EveryKeyframe)
-    ->Arg(100)
-    ->Arg(500)
-    ->Arg(2000)
+
+/// The same with Ceres, warm started too.
+void BM_EveryKeyframeCeres(benchmark::State& state) {
+  GrownMap map(static_cast<int>(state.range(0)));
+  Optimizer follow({});
+  follow.optimize(map.graph);
+  test::CeresResult result;
+  for (auto _ : state) {
+    map.graph.apply(map.world.nextKeyframe(map.graph));
+    result = test::solveWithCeres(map.graph, 1e-6);
+    state.SetIterationTime(result.seconds);
+    follow.optimize(map.graph);
+  }
+  state.counters["steps"] = result.iterations;
+  state.counters["cost"] = result.cost_after;
+}
+
+BENCHMARK_CAPTURE(BM_EveryKeyframe, batch, SolverParams::Method::kBatch)
+    ->Apply(mapSizes)
     ->Unit(benchmark::kMillisecond)
-    ->Iterations(20);
+    ->Iterations(10);
+BENCHMARK_CAPTURE(BM_EveryKeyframe, incremental, SolverParams::Method::kIncremental)
+    ->Apply(mapSizes)
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(100);
+BENCHMARK_CAPTURE(BM_EveryKeyframe, two_tier, SolverParams::Method::kTwoTier)
+    ->Apply(mapSizes)
+    ->Unit(benchmark::kMillisecond)
+    ->Iterations(100);
+BENCHMARK(BM_EveryKeyframeCeres)
+    ->Apply(mapSizes)
+    ->Unit(benchmark::kMillisecond)
+    ->UseManualTime()
+    ->Iterations(5);
 
 void BM_MarginalsOfAllNodes(benchmark::State& state) {
   CSceneGraph graph = test::generateGraph({}, static_cast<int>(state.range(0)));
@@ -130,7 +187,7 @@ void BM_MarginalsOfAllNodes(benchmark::State& state) {
     if (!optimizer.marginalBlocks(graph, nodes)) state.SkipWithError("no marginals");
   }
 }
-BENCHMARK(BM_MarginalsOfAllNodes)->Arg(100)->Arg(500)->Arg(2000)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_MarginalsOfAllNodes)->Apply(mapSizes)->Unit(benchmark::kMillisecond);
 
 void BM_MarginalsOfOneNode(benchmark::State& state) {
   CSceneGraph graph = test::generateGraph({}, static_cast<int>(state.range(0)));
@@ -141,7 +198,7 @@ void BM_MarginalsOfOneNode(benchmark::State& state) {
     if (!optimizer.marginalCovariance(graph, nodes)) state.SkipWithError("no marginals");
   }
 }
-BENCHMARK(BM_MarginalsOfOneNode)->Arg(100)->Arg(500)->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_MarginalsOfOneNode)->Apply(mapSizes)->Unit(benchmark::kMillisecond);
 
 std::optional<CSceneGraph> publicGraph(benchmark::State& state, const std::string& name) {
   const auto file = test::largePoseGraph(name);

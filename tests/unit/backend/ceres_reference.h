@@ -9,7 +9,7 @@ namespace dynemo::test {
 struct CeresResult {
   double cost_before = 0.0, cost_after = 0.0;
   bool converged = false;
-  double seconds = 0.0;
+  double seconds = 0.0;  ///< of the processor, in the solver
   int iterations = 0;
 };
 
