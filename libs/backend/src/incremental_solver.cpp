@@ -49,7 +49,13 @@ void IncrementalSolver::reset() {
   unmark(is_changed_, changed_);
   unmark(is_cost_, costs_);
   needs_build_ = true;
-  solved_ = false;
+  mostly_new_ = false;
+}
+
+void IncrementalSolver::restart(const CSceneGraph& graph) {
+  reset();
+  synchronize(graph, {});
+  mostly_new_ = false;
 }
 
 bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const NodeId> moved) {
@@ -64,7 +70,7 @@ bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const No
     }
   }
   removeMissing(graph);
-  const bool mostly_new = addNew(graph);
+  addNew(graph);
   for (const NodeId node : moved) {
     const int v = problem_.variableOf(node);
     if (v < 0) continue;
@@ -73,11 +79,10 @@ bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const No
     problem_.setState(v, state_.data());
     takeState(v);
   }
-  return mostly_new;
+  return mostly_new_;
 }
 
 void IncrementalSolver::takeState(int v) {
-  solved_ = false;
   problem_.forEachFactorOf(v, [this](int f) {
     touchCost(f);
     if (!needs_build_) factor_.tree().touchFactor(problem_, f);
@@ -91,8 +96,7 @@ void IncrementalSolver::removeMissing(const CSceneGraph& graph) {
     const int f = problem_.factorOf({i});
     if (f < 0 || (i < graph.edgeSlots().size() && graph.edgeSlots()[i] == problem_.edge(f)))
       continue;
-    solved_ = false;
-    if (!needs_build_) factor_.tree().removeFactor(problem_, f);
+      if (!needs_build_) factor_.tree().removeFactor(problem_, f);
     const auto variables = problem_.variablesOf(f);
     const std::vector<int> ends(variables.begin(), variables.end());
     problem_.removeFactor(f);
@@ -104,7 +108,7 @@ void IncrementalSolver::removeMissing(const CSceneGraph& graph) {
   }
 }
 
-bool IncrementalSolver::addNew(const CSceneGraph& graph) {
+void IncrementalSolver::addNew(const CSceneGraph& graph) {
   const int known = problem_.variables();
   std::vector<int> factors;
   for (std::size_t i = 0; i < graph.edgeSlots().size(); ++i) {
@@ -116,17 +120,16 @@ bool IncrementalSolver::addNew(const CSceneGraph& graph) {
     factors.push_back(problem_.addFactor(edge));
     touchCost(factors.back());
   }
-  if (factors.empty()) return false;
-  solved_ = false;
+  if (factors.empty()) return;
   const int added = problem_.variables() - known;
   const bool mostly_new = added > kRenewalGrowth * known;
+  mostly_new_ |= mostly_new;
   needs_build_ |= mostly_new;
-  if (needs_build_) return mostly_new;
+  if (needs_build_) return;
   std::vector<int> variables(static_cast<std::size_t>(added));
   std::iota(variables.begin(), variables.end(), known);
   factor_.tree().append(problem_, variables);
   for (const int f : factors) factor_.tree().addFactor(problem_, f);
-  return false;
 }
 
 std::size_t IncrementalSolver::nodes() const {
@@ -189,6 +192,13 @@ void IncrementalSolver::updateEstimates(const std::vector<int>& variables) {
     mark(is_changed_, changed_, v);
     problem_.forEachFactorOf(v, [this](int f) { touchCost(f); });
   }
+}
+
+bool IncrementalSolver::factorize() {
+  if (needs_build_) return false;
+  const SingleThreadedBlas single_threaded;
+  needs_build_ = factor_.factorize(problem_).has_value();
+  return !needs_build_;
 }
 
 bool IncrementalSolver::step(OptimizationReport& report) {
@@ -261,7 +271,6 @@ bool IncrementalSolver::solve(OptimizationReport& report) {
   }
   renewed_ = false;
   report.stop = StopReason::kConverged;
-  solved_ = true;
   return true;
 }
 

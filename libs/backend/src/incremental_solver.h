@@ -23,16 +23,16 @@ class IncrementalSolver {
 
   /// Takes over nodes and edges that came and went, and the current estimates of the nodes in
   /// `moved`, which somebody else has changed. Reads the graph; solve() does not. True when most of
-  /// the graph was not known before.
+  /// the graph has come since the last restart or solution.
   bool synchronize(const CSceneGraph& graph, std::span<const NodeId> moved);
-  /// Forgets everything; the next synchronisation starts from the graph as it is.
-  void reset();
+  /// Forgets everything and starts from the graph as it is, which somebody else has solved.
+  void restart(const CSceneGraph& graph);
 
   /// Renews the elimination order when that is due; solve() would. METIS draws from the C library's
   /// random numbers, so a solve() on another thread wants this done before, on the caller's.
   void prepare(OptimizationReport& report);
   /// One step, more when the cost asks for it. False when there is no solution to be had this way
-  /// (a free gauge, a cost that is not finite or that rises): reset() is then due.
+  /// (a free gauge, a cost that is not finite or that rises): restart() is then due.
   bool solve(OptimizationReport& report);
 
   const LiveProblem& problem() const { return problem_; }
@@ -42,12 +42,14 @@ class IncrementalSolver {
   std::size_t tangentSize() const;
   /// Variables whose estimate solve() changed.
   std::span<const int> changed() const { return changed_; }
-  /// The factorisation belongs to the graph as of the last synchronisation.
-  bool solved() const { return solved_; }
+  /// Brings the factorisation up to the last synchronisation without a step. False when that takes an
+  /// order of its own or the system is singular.
+  bool factorize();
 
  private:
+  void reset();
   void removeMissing(const CSceneGraph& graph);
-  bool addNew(const CSceneGraph& graph);
+  void addNew(const CSceneGraph& graph);
   void takeState(int variable);
   bool renewalIsDue() const;
   void renew();
@@ -60,7 +62,7 @@ class IncrementalSolver {
   CholmodContext context_;
   LiveProblem problem_;
   FrontFactor factor_;
-  bool needs_build_ = true, renewed_ = false, solved_ = false;
+  bool needs_build_ = true, renewed_ = false, mostly_new_ = false;
 
   std::vector<int> pending_;      ///< variables to relinearise
   std::vector<char> is_pending_;  ///< per variable

@@ -52,7 +52,7 @@ struct Optimizer::Impl {
   void optimizeInBatch(CSceneGraph& graph, OptimizationReport& report);
   void optimizeIncrementally(CSceneGraph& graph, OptimizationReport& report);
   void optimizeInTwoTiers(CSceneGraph& graph, OptimizationReport& report);
-  /// Whether the incremental factorisation is the graph's as it stands.
+  /// Brings the incremental factorisation up to the graph as it stands; false when there is none.
   bool isFactorized(const CSceneGraph& graph);
 };
 
@@ -107,8 +107,7 @@ void Optimizer::Impl::optimizeIncrementally(CSceneGraph& graph, OptimizationRepo
   if (mostly_new || !incremental.solve(report)) {
     report = {};
     optimizeInBatch(graph, report);
-    incremental.reset();
-    incremental.synchronize(graph, {});
+    incremental.restart(graph);
     watch.moved(graph);
     return;
   }
@@ -131,9 +130,9 @@ void Optimizer::Impl::optimizeInTwoTiers(CSceneGraph& graph, OptimizationReport&
 }
 
 bool Optimizer::Impl::isFactorized(const CSceneGraph& graph) {
-  if (!incremental.solved()) return false;
+  if (params.method != SolverParams::Method::kIncremental) return false;
   incremental.synchronize(graph, watch.moved(graph));
-  return incremental.solved();
+  return incremental.factorize();
 }
 
 OptimizationReport Optimizer::optimize(CSceneGraph& graph) {

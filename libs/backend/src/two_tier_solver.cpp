@@ -11,8 +11,7 @@ void TwoTierSolver::wait() {
 void TwoTierSolver::restart(const CSceneGraph& graph) {
   wait();
   running_ = {};
-  whole_.reset();
-  whole_.synchronize(graph, {});
+  whole_.restart(graph);
   watch_.moved(graph);
   stale_.clear();
   started_ = true;
