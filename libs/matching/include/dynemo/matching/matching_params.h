@@ -61,7 +61,7 @@ struct AssessmentParams {
   double inlier_m = 0.05;
   double min_overlap = 0.1;
   double min_eigenvalue = 0.003;
-  double max_contradiction = 0.15;
+  double max_contradiction = 0.08;
   double min_residual_m = 0.005;
 };
 void fields(FieldVisitor& v, AssessmentParams& p);

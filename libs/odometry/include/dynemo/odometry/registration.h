@@ -25,7 +25,7 @@ struct RegistrationParams {
   double kernel_share = 0.5;
   double min_normal_cosine = 0.5;
   double plane_thickness = 1e-3;
-  double min_observed_share = 0.006;
+  double min_observed_share = 0.01;
   double min_residual_m = 0.005;
   int min_correspondences = 30;
 };
