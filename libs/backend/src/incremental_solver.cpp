@@ -96,7 +96,7 @@ void IncrementalSolver::removeMissing(const CSceneGraph& graph) {
     const int f = problem_.factorOf({i});
     if (f < 0 || (i < graph.edgeSlots().size() && graph.edgeSlots()[i] == problem_.edge(f)))
       continue;
-      if (!needs_build_) factor_.tree().removeFactor(problem_, f);
+    if (!needs_build_) factor_.tree().removeFactor(problem_, f);
     const auto variables = problem_.variablesOf(f);
     const std::vector<int> ends(variables.begin(), variables.end());
     problem_.removeFactor(f);

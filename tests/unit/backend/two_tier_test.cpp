@@ -24,8 +24,8 @@ SolverParams twoTiers() {
   return params;
 }
 
-struct Run {
-  explicit Run(std::uint64_t seed, bool outliers = false)
+struct Life {
+  explicit Life(std::uint64_t seed, bool outliers = false)
       : world({.seed = seed, .keyframes_per_lap = 24, .loop_every = 7, .outliers = outliers}) {}
   OptimizationReport grow() {
     graph.apply(world.nextKeyframe(graph));
@@ -45,7 +45,7 @@ TEST(TwoTier, IsTheSameWhateverTheThreadsDo) {
         while (!stop) std::this_thread::yield();
       });
     }
-    Run r(3);
+    Life r(3);
     std::vector<double> all;
     for (int k = 0; k < kKeyframes; ++k) {
       if (disturbed && k % 11 == 0) std::this_thread::yield();
@@ -62,7 +62,7 @@ TEST(TwoTier, IsTheSameWhateverTheThreadsDo) {
 
 TEST(TwoTier, ReachesTheMinimumOnceTheWholeMapHasAnswered) {
   for (const bool outliers : {false, true}) {
-    Run r(4, outliers);
+    Life r(4, outliers);
     for (int k = 0; k < kKeyframes; ++k) ASSERT_TRUE(r.grow().usable());
     for (int i = 0; i < 6 * twoTiers().join_every; ++i) r.optimizer.optimize(r.graph);
     const double cost = r.graph.totalCost();
@@ -73,7 +73,7 @@ TEST(TwoTier, ReachesTheMinimumOnceTheWholeMapHasAnswered) {
 }
 
 TEST(TwoTier, MergingDoesNotShakeTheRobotsSurroundings) {
-  Run r(5);
+  Life r(5);
   const auto newestStep = [&] {
     const auto& keyframes = r.graph.keyframes();
     return keyframes[keyframes.size() - 2]->T_map_node.inverse() * keyframes.back()->T_map_node;
@@ -92,7 +92,7 @@ TEST(TwoTier, MergingDoesNotShakeTheRobotsSurroundings) {
 }
 
 TEST(TwoTier, ReportsWhatTheWindowHolds) {
-  Run r(6);
+  Life r(6);
   OptimizationReport report;
   for (int k = 0; k < kKeyframes; ++k) report = r.grow();
   EXPECT_LT(report.nodes, r.graph.nodeCount() / 2);
@@ -101,7 +101,7 @@ TEST(TwoTier, ReportsWhatTheWindowHolds) {
 }
 
 TEST(TwoTier, CovariancesOfTheWindowAndOfTheRest) {
-  Run r(7);
+  Life r(7);
   for (int k = 0; k < kKeyframes; ++k) r.grow();
   const std::vector<NodeId> recent = {r.graph.keyframes().back()->id,
                                       r.graph.keyframes()[kKeyframes - 5]->id};
@@ -115,7 +115,7 @@ TEST(TwoTier, CovariancesOfTheWindowAndOfTheRest) {
 }
 
 TEST(TwoTier, SurvivesStatesThatAreNotNumbers) {
-  Run r(8);
+  Life r(8);
   for (int k = 0; k < 30; ++k) r.grow();
   const auto keyframe = r.graph.keyframes().back();
   const Pose3 T = keyframe->T_map_node;
