@@ -32,7 +32,7 @@ nlohmann::json answer(const Arguments& arguments) {
 
 Vector3 position(const nlohmann::json& pose) {
   const auto& p = pose.at("position_m");
-  return {p.at(0), p.at(1), p.at(2)};
+  return Vector3(p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>());
 }
 
 /// A run with the truth in its own map frame.

@@ -8,7 +8,6 @@
 #include "marginals.h"
 #include "state_watch.h"
 #include "stopwatch.h"
-#include "two_tier_solver.h"
 
 namespace dynemo {
 
@@ -29,9 +28,7 @@ struct Optimizer::Impl {
   IncrementalSolver incremental;
   StateWatch watch;
 
-  TwoTierSolver two_tier;
-
-  explicit Impl(const SolverParams& p) : params(p), incremental(p), two_tier(p) {}
+  explicit Impl(const SolverParams& p) : params(p), incremental(p) {}
 
   /// Reuses the last analysis when nothing but numbers changed.
   Analysis& analyze(const Problem& problem, double& ordering_ms, double& symbolic_ms) {
@@ -51,7 +48,6 @@ struct Optimizer::Impl {
 
   void optimizeInBatch(CSceneGraph& graph, OptimizationReport& report);
   void optimizeIncrementally(CSceneGraph& graph, OptimizationReport& report);
-  void optimizeInTwoTiers(CSceneGraph& graph, OptimizationReport& report);
   /// Brings the incremental factorisation up to the graph as it stands; false when there is none.
   bool isFactorized(const CSceneGraph& graph);
 };
@@ -122,13 +118,6 @@ void Optimizer::Impl::optimizeIncrementally(CSceneGraph& graph, OptimizationRepo
   }
 }
 
-void Optimizer::Impl::optimizeInTwoTiers(CSceneGraph& graph, OptimizationReport& report) {
-  if (two_tier.solve(graph, report)) return;
-  report = {};
-  optimizeInBatch(graph, report);
-  if (report.usable()) two_tier.restart(graph);
-}
-
 bool Optimizer::Impl::isFactorized(const CSceneGraph& graph) {
   if (params.method != SolverParams::Method::kIncremental) return false;
   incremental.synchronize(graph, watch.moved(graph));
@@ -145,9 +134,6 @@ OptimizationReport Optimizer::optimize(CSceneGraph& graph) {
     case SolverParams::Method::kIncremental:
       impl_->optimizeIncrementally(graph, report);
       break;
-    case SolverParams::Method::kTwoTier:
-      impl_->optimizeInTwoTiers(graph, report);
-      break;
   }
   return report;
 }
@@ -156,8 +142,6 @@ OptimizationReport Optimizer::optimizeFully(CSceneGraph& graph) {
   OptimizationReport report;
   const ScopedTimer timer(report.total_ms);
   impl_->optimizeInBatch(graph, report);
-  if (impl_->params.method == SolverParams::Method::kTwoTier && report.usable())
-    impl_->two_tier.restart(graph);
   return report;
 }
 
@@ -169,12 +153,6 @@ Expected<MatrixX, std::string> Optimizer::marginalCovariance(const CSceneGraph& 
     if (!variables) return make_unexpected(variables.error());
     if (variables->empty()) return MatrixX(0, 0);
     return jointCovariance(problem, impl_->incremental.factor(), *variables);
-  }
-  if (impl_->params.method == SolverParams::Method::kTwoTier &&
-      impl_->two_tier.windowKnows(graph, nodes)) {
-    const WindowSolver& window = impl_->two_tier.window();
-    const auto variables = variablesOf(window.problem(), nodes);
-    return jointCovariance(window.problem(), window.factor(), *variables);
   }
   const Problem problem(graph);
   const auto variables = variablesOf(problem, nodes);

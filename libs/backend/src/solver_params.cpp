@@ -3,9 +3,8 @@
 namespace dynemo {
 
 void fields(FieldVisitor& v, SolverParams& p) {
-  v.choice("method", p.method, {"batch", "incremental", "two_tier"},
-           "At every keyframe: the whole graph to convergence, one step over what changed, or the "
-           "newest keyframes at once and the whole map on a second thread");
+  v.choice("method", p.method, {"batch", "incremental"},
+           "At every keyframe: the whole graph to convergence, or one step over what changed");
   v.integer("max_iterations", p.max_iterations, "Most accepted steps of one optimisation",
             {1, 10000});
   v.number("min_relative_decrease", p.min_relative_decrease,
@@ -22,10 +21,6 @@ void fields(FieldVisitor& v, SolverParams& p) {
   v.number("propagate_above", p.propagate_above,
            "Incremental: changes up to this are not carried on to other nodes [m, rad]",
            Range::between(0.0, 1e-3));
-  v.integer("window_keyframes", p.window_keyframes, "Two tiers: keyframes that are solved at once",
-            {5, 1000});
-  v.integer("join_every", p.join_every,
-            "Two tiers: keyframes after which the solution of the whole map is merged", {1, 100});
 }
 
 const char* stopReasonName(StopReason reason) {

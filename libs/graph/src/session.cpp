@@ -23,6 +23,7 @@ constexpr std::uint32_t kMaxPoints = 50'000'000;
 constexpr const char* kScanHeader = "dynemo scan 1";
 constexpr const char* kSessionHeader = "dynemo session 1";
 constexpr const char* kPosesHeader = "dynemo poses 1";
+constexpr const char* kPosesEnd = "end";
 constexpr std::uint32_t kMaxPoses = 1'000'000'000;
 
 std::string toBytes(const std::function<void(CArchive&)>& write) {
@@ -33,11 +34,11 @@ std::string toBytes(const std::function<void(CArchive&)>& write) {
           static_cast<std::size_t>(memory.getTotalBytesCount())};
 }
 
-/// The text that tells what a file is, its length checked before memory is asked for.
-void expectHeader(CArchive& in, const char* expected) {
+/// A text that tells what a file is or where it ends, its length checked before memory is asked for.
+void expectText(CArchive& in, const char* expected) {
   std::string header;
   get(in, header);
-  if (header != expected) throw DataError(std::string("does not start with '") + expected + "'");
+  if (header != expected) throw DataError(std::string("'") + expected + "' is missing");
 }
 
 /// Reads a whole file through an archive; every failure names the file, and nothing may be left
@@ -110,7 +111,7 @@ void requireConsistent(const PointCloud& cloud) {
 
 Scan getScan(CArchive& in) {
   Scan scan;
-  expectHeader(in, kScanHeader);
+  expectText(in, kScanHeader);
   in >> scan.stamp.ns;
   get(in, scan.T_base_lidar);
   getArray(in, scan.cloud.points, kMaxPoints);
@@ -204,6 +205,7 @@ void saveSession(const Session& session, const fs::path& folder) {
                         putFrames(out, session.frames);
                         putCovariances(out, session.entity_covariances);
                         putPoses(out, session.keyframes_without_closures);
+                        out << std::string(kPosesEnd);
                       }));
   // Last, so that a graph on disk always has its clouds.
   writeFileAtomically(folder / "graph.bin", toBytes([&](CArchive& out) {
@@ -217,7 +219,7 @@ Session loadSession(const fs::path& folder) {
   Session session;
   std::vector<std::uint64_t> with_cloud;
   fromFile(folder / "graph.bin", [&](CArchive& in) {
-    expectHeader(in, kSessionHeader);
+    expectText(in, kSessionHeader);
     in >> session.graph;
     getArray(in, with_cloud, 1'000'000'000);
   });
@@ -229,10 +231,11 @@ Session loadSession(const fs::path& folder) {
   }
   if (fs::exists(folder / "poses.bin")) {
     fromFile(folder / "poses.bin", [&](CArchive& in) {
-      expectHeader(in, kPosesHeader);
+      expectText(in, kPosesHeader);
       session.frames = getFrames(in);
       session.entity_covariances = getCovariances(in);
       session.keyframes_without_closures = getPoses(in);
+      expectText(in, kPosesEnd);
     });
   }
   std::ifstream config(folder / "config.yaml", std::ios::binary);

@@ -167,10 +167,6 @@ BENCHMARK_CAPTURE(BM_EveryKeyframe, incremental, SolverParams::Method::kIncremen
     ->Apply(mapSizes)
     ->Unit(benchmark::kMillisecond)
     ->Iterations(100);
-BENCHMARK_CAPTURE(BM_EveryKeyframe, two_tier, SolverParams::Method::kTwoTier)
-    ->Apply(mapSizes)
-    ->Unit(benchmark::kMillisecond)
-    ->Iterations(100);
 BENCHMARK(BM_EveryKeyframeCeres)
     ->Apply(mapSizes)
     ->Unit(benchmark::kMillisecond)

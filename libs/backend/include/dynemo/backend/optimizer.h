@@ -16,9 +16,8 @@ namespace dynemo {
 
 struct SolverParams {
   enum class Method {
-    kBatch,        ///< everything at every call, to convergence
-    kIncremental,  ///< one step over what the change touches
-    kTwoTier       ///< the newest keyframes at once, the whole map on a second thread
+    kBatch,       ///< everything at every call, to convergence
+    kIncremental  ///< one step over what the change touches
   } method = Method::kIncremental;
   int max_iterations = 50;
   /// Stop when an accepted step lowers the cost by less than this fraction.
@@ -30,10 +29,6 @@ struct SolverParams {
   double relinearize_above = 0.01;
   /// Incremental: changes up to this are not carried on to other nodes [m, rad].
   double propagate_above = 1e-5;
-  /// Two tiers: keyframes that are solved at once.
-  int window_keyframes = 50;
-  /// Two tiers: calls after which the solution of the whole map is merged.
-  int join_every = 10;
 };
 void fields(FieldVisitor& v, SolverParams& p);
 
