@@ -115,7 +115,9 @@ class CandidateSearch::Query {
   bool comparable(std::size_t k) const {
     const CNodeKeyframe& other = *graph_.keyframes()[k];
     const bool same_floor = !other.floor || !newest_.floor || *other.floor == *newest_.floor;
-    return other.scan && same_floor && chain_.pathBetween_m(k, later_) >= params_.min_path_m;
+    const double height_m = std::abs(other.T_map_base().t.z() - newest_.T_map_base().t.z());
+    return other.scan && same_floor && height_m <= params_.max_height_m &&
+           chain_.pathBetween_m(k, later_) >= params_.min_path_m;
   }
 
   double horizontal(const Pose3& T_map_other) const {

@@ -179,6 +179,7 @@ LoopCloser::Attempt LoopCloser::matchFrom(const CSceneGraph& graph, const LoopPa
   }
   record.match = *match;
   attempt.fit = match->fit();
+  attempt.range_m = source.meanRange_m();
   return attempt;
 }
 
@@ -186,7 +187,7 @@ void LoopCloser::verify(const LoopPair& pair, Attempt& attempt) const {
   LoopRecord& record = attempt.record;
   if (!record.match) return;
   const double max_squared = chiSquaredQuantile(6, params_.verification.probability);
-  PoseEstimate measured = honestEstimate(*record.match, params_.noise);
+  PoseEstimate measured = honestEstimate(*record.match, attempt.range_m, params_.noise);
   const bool entities_agree =
       pair.consensus && squaredMahalanobis(measured, pair.consensus->earlier_later) <= max_squared;
   if (const auto reason = refusal(*record.match, entities_agree, params_.verification)) {

@@ -7,6 +7,8 @@ void fields(FieldVisitor& v, CandidateParams& p) {
            "A fixed radius, or one that grows with the uncertainty of the relative position");
   v.number("max_distance_m", p.max_distance_m, "Largest distance of the pair, seen from above",
            Range::positive());
+  v.number("max_height_m", p.max_height_m, "Largest difference in height: storeys look alike",
+           Range::positive());
   v.number("min_path_m", p.min_path_m, "Least path driven between the two", Range::positive());
   v.number("spacing_m", p.spacing_m, "Least path driven since the last closure",
            Range::nonNegative());
@@ -85,6 +87,10 @@ void fields(FieldVisitor& v, ClosureNoiseParams& p) {
            Range::positive());
   v.number("min_sigma_m", p.min_sigma_m, "Least sigma of a closure", Range::positive());
   v.angle("min_sigma_deg", p.min_sigma_rad, "Least sigma of a closure", Range::positive());
+  v.number("residual_share", p.residual_share,
+           "And at least so much of the residual, at the scan's mean range for the rotation: what "
+           "distorts a scan pulls all of its points",
+           Range::nonNegative());
   v.number("correlation_m", p.correlation_m,
            "Closures whose ends are nearer than this along the path share their errors: each "
            "further one weighs less",

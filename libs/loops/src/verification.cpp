@@ -1,5 +1,6 @@
 #include "dynemo/loops/verification.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace dynemo {
@@ -13,9 +14,13 @@ std::string text(const char* what, double value, double limit) {
 
 }  // namespace
 
-PoseEstimate honestEstimate(const ScanMatch& match, const ClosureNoiseParams& noise) {
+PoseEstimate honestEstimate(const ScanMatch& match, double range_m,
+                            const ClosureNoiseParams& noise) {
   const Matrix6 scaled = noise.covariance_scale * noise.covariance_scale * match.covariance;
-  return {match.T_target_source, floorCovariance(scaled, noise.min_sigma_m, noise.min_sigma_rad)};
+  const double residual_m = noise.residual_share * match.residual_rms_m;
+  const double residual_rad = range_m > 0.0 ? residual_m / range_m : 0.0;
+  return {match.T_target_source, floorCovariance(scaled, std::max(noise.min_sigma_m, residual_m),
+                                                 std::max(noise.min_sigma_rad, residual_rad))};
 }
 
 std::optional<std::string> refusal(const ScanMatch& match, bool entities_agree,

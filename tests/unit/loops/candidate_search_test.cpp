@@ -87,6 +87,12 @@ TEST_F(CandidateSearches, StayOnOneFloor) {
   EXPECT_FALSE(search().empty());
 }
 
+TEST_F(CandidateSearches, KeepStoreysApartBeforeTheirFloorsAreKnown) {
+  drive(24 + 4);
+  drive_->graph.keyframes().back()->T_map_node.t.z() += 3.0;
+  EXPECT_TRUE(search().empty());
+}
+
 TEST_F(CandidateSearches, NeedBothScans) {
   drive(24 + 4);
   drive_->graph.keyframes().back()->scan.reset();

@@ -48,11 +48,22 @@ TEST(HonestEstimate, ScalesAndFloorsTheCovariance) {
   noise.min_sigma_rad = 0.001;
   ScanMatch match = goodMatch();
   match.covariance(0, 0) = 0.02 * 0.02;
-  const PoseEstimate estimate = honestEstimate(match, noise);
+  noise.residual_share = 0.0;
+  const PoseEstimate estimate = honestEstimate(match, 5.0, noise);
   EXPECT_NEAR(std::sqrt(estimate.covariance(0, 0)), 0.06, 1e-9);
   EXPECT_NEAR(std::sqrt(estimate.covariance(1, 1)), 0.01, 1e-9);
   EXPECT_NEAR(std::sqrt(estimate.covariance(5, 5)), 0.0015, 1e-9);
   EXPECT_LT(local(estimate.T, match.T_target_source).norm(), 1e-12);
+}
+
+TEST(HonestEstimate, GrowsWithTheResidual) {
+  ClosureNoiseParams noise;
+  noise.residual_share = 2.0;
+  ScanMatch match = goodMatch();
+  match.residual_rms_m = 0.05;
+  const PoseEstimate estimate = honestEstimate(match, 5.0, noise);
+  EXPECT_NEAR(std::sqrt(estimate.covariance(0, 0)), 0.1, 1e-9);
+  EXPECT_NEAR(std::sqrt(estimate.covariance(5, 5)), 0.02, 1e-9);
 }
 
 TEST(DistanceFromGraph, CountsBothUncertainties) {

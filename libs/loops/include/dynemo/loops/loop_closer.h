@@ -47,6 +47,7 @@ class LoopCloser {
   /// A scan matched from one hypothesis of the relative pose.
   struct Attempt {
     LoopRecord record;
+    double range_m = 0.0;  ///< mean of the later scan's points
     std::optional<PoseEstimate> measured;
     double fit = 0.0;
     /// The graph contradicts it: other closures must speak for it.

@@ -19,6 +19,7 @@ enum class CandidateGate {
 struct CandidateParams {
   CandidateGate gate = CandidateGate::kDistance;
   double max_distance_m = 2.0;
+  double max_height_m = 1.0;
   double min_path_m = 5.0;
   double spacing_m = 0.0;
   double spacing_s = 0.0;
@@ -74,6 +75,7 @@ struct ClosureNoiseParams {
   double covariance_scale = 3.0;
   double min_sigma_m = 0.01;
   double min_sigma_rad = 0.002;
+  double residual_share = 1.5;
   double correlation_m = 3.0;
   KernelType kernel = KernelType::kCauchy;
   double kernel_width = 2.0;

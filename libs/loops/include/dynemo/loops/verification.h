@@ -10,8 +10,9 @@
 namespace dynemo {
 
 /// The measurement as the graph takes it: the matcher's covariance times the scale, and never less
-/// than the floor.
-PoseEstimate honestEstimate(const ScanMatch& match, const ClosureNoiseParams& noise);
+/// than the floor, which grows with the residual. `range_m` is the mean range of the scan's points.
+PoseEstimate honestEstimate(const ScanMatch& match, double range_m,
+                            const ClosureNoiseParams& noise);
 
 /// Why a match is not trusted by itself: inliers, overlap, residual, degeneracy; empty when it is.
 /// `entities_agree`: objects confirm the relative pose, so that a direction in which the scans say
