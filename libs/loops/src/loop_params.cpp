@@ -87,10 +87,13 @@ void fields(FieldVisitor& v, ClosureNoiseParams& p) {
            Range::positive());
   v.number("min_sigma_m", p.min_sigma_m, "Least sigma of a closure", Range::positive());
   v.angle("min_sigma_deg", p.min_sigma_rad, "Least sigma of a closure", Range::positive());
-  v.number("residual_share", p.residual_share,
-           "And at least so much of the residual, at the scan's mean range for the rotation: what "
-           "distorts a scan pulls all of its points",
+  v.number("clean_residual_m", p.clean_residual_m,
+           "Residual of undistorted scans: what exceeds it pulls all points the same way",
            Range::nonNegative());
+  v.number(
+      "residual_share", p.residual_share,
+      "Times that excess is added to the least sigma, at the scan's mean range for the rotation",
+      Range::nonNegative());
   v.number("correlation_m", p.correlation_m,
            "Closures whose ends are nearer than this along the path share their errors: each "
            "further one weighs less",

@@ -17,10 +17,11 @@ std::string text(const char* what, double value, double limit) {
 PoseEstimate honestEstimate(const ScanMatch& match, double range_m,
                             const ClosureNoiseParams& noise) {
   const Matrix6 scaled = noise.covariance_scale * noise.covariance_scale * match.covariance;
-  const double residual_m = noise.residual_share * match.residual_rms_m;
-  const double residual_rad = range_m > 0.0 ? residual_m / range_m : 0.0;
-  return {match.T_target_source, floorCovariance(scaled, std::max(noise.min_sigma_m, residual_m),
-                                                 std::max(noise.min_sigma_rad, residual_rad))};
+  const double excess_m =
+      noise.residual_share * std::max(0.0, match.residual_rms_m - noise.clean_residual_m);
+  const double excess_rad = range_m > 0.0 ? excess_m / range_m : 0.0;
+  return {match.T_target_source,
+          floorCovariance(scaled, noise.min_sigma_m + excess_m, noise.min_sigma_rad + excess_rad)};
 }
 
 std::optional<std::string> refusal(const ScanMatch& match, bool entities_agree,

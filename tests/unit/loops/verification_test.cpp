@@ -58,12 +58,14 @@ TEST(HonestEstimate, ScalesAndFloorsTheCovariance) {
 
 TEST(HonestEstimate, GrowsWithTheResidual) {
   ClosureNoiseParams noise;
+  noise.min_sigma_m = noise.min_sigma_rad = 1e-3;
+  noise.clean_residual_m = 0.01;
   noise.residual_share = 2.0;
   ScanMatch match = goodMatch();
   match.residual_rms_m = 0.05;
   const PoseEstimate estimate = honestEstimate(match, 5.0, noise);
-  EXPECT_NEAR(std::sqrt(estimate.covariance(0, 0)), 0.1, 1e-9);
-  EXPECT_NEAR(std::sqrt(estimate.covariance(5, 5)), 0.02, 1e-9);
+  EXPECT_NEAR(std::sqrt(estimate.covariance(0, 0)), 0.081, 1e-9);
+  EXPECT_NEAR(std::sqrt(estimate.covariance(5, 5)), 0.017, 1e-9);
 }
 
 TEST(DistanceFromGraph, CountsBothUncertainties) {

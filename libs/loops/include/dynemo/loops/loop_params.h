@@ -75,7 +75,8 @@ struct ClosureNoiseParams {
   double covariance_scale = 3.0;
   double min_sigma_m = 0.01;
   double min_sigma_rad = 0.002;
-  double residual_share = 1.5;
+  double clean_residual_m = 0.01;
+  double residual_share = 8.0;
   double correlation_m = 3.0;
   KernelType kernel = KernelType::kCauchy;
   double kernel_width = 2.0;
