@@ -73,7 +73,7 @@ TEST_F(Optimize, NamesWhatIsWrong) {
     EXPECT_EQ(outcome.status, status) << describe(outcome);
     EXPECT_NE(outcome.err.find(text), std::string::npos) << outcome.err;
   };
-  refused(optimize({}), 2, "GRAPH");
+  refused(optimize({}), 2, "graph is required");
   refused(optimize({"x.g2o", "--initial", "best"}), 2, "--initial");
   refused(optimize({"/nonexistent.g2o"}), 3, "/nonexistent.g2o");
   refused(optimize({write("empty.g2o", "").string()}), 3, "VERTEX");

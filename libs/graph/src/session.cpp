@@ -34,7 +34,8 @@ std::string toBytes(const std::function<void(CArchive&)>& write) {
           static_cast<std::size_t>(memory.getTotalBytesCount())};
 }
 
-/// A text that tells what a file is or where it ends, its length checked before memory is asked for.
+/// A text that tells what a file is or where it ends, its length checked before memory is asked
+/// for.
 void expectText(CArchive& in, const char* expected) {
   std::string header;
   get(in, header);
@@ -145,22 +146,24 @@ std::vector<FramePose> getFrames(CArchive& in) {
   return frames;
 }
 
-void putCovariances(CArchive& out, const std::map<NodeId, Matrix6>& covariances) {
+template <class Matrix>
+void putCovariances(CArchive& out, const std::map<NodeId, Matrix>& covariances) {
   out.WriteAs<std::uint32_t>(covariances.size());
   for (const auto& [node, covariance] : covariances) {
     out << node.value;
-    for (int r = 0; r < 6; ++r)
-      for (int c = r; c < 6; ++c) out << covariance(r, c);
+    for (int r = 0; r < Matrix::RowsAtCompileTime; ++r)
+      for (int c = r; c < Matrix::RowsAtCompileTime; ++c) out << covariance(r, c);
   }
 }
 
-std::map<NodeId, Matrix6> getCovariances(CArchive& in) {
-  std::map<NodeId, Matrix6> covariances;
+template <class Matrix>
+std::map<NodeId, Matrix> getCovariances(CArchive& in) {
+  std::map<NodeId, Matrix> covariances;
   const std::uint32_t n = getLength(in, kMaxPoses);
   for (std::uint32_t i = 0; i < n; ++i) {
-    Matrix6& covariance = covariances[NodeId{in.ReadAs<std::uint64_t>()}];
-    for (int r = 0; r < 6; ++r)
-      for (int c = r; c < 6; ++c) {
+    Matrix& covariance = covariances[NodeId{in.ReadAs<std::uint64_t>()}];
+    for (int r = 0; r < Matrix::RowsAtCompileTime; ++r)
+      for (int c = r; c < Matrix::RowsAtCompileTime; ++c) {
         getFinite(in, covariance(r, c));
         covariance(c, r) = covariance(r, c);
       }
@@ -204,6 +207,7 @@ void saveSession(const Session& session, const fs::path& folder) {
                         out << std::string(kPosesHeader);
                         putFrames(out, session.frames);
                         putCovariances(out, session.entity_covariances);
+                        putCovariances(out, session.plane_covariances);
                         putPoses(out, session.keyframes_without_closures);
                         out << std::string(kPosesEnd);
                       }));
@@ -233,7 +237,8 @@ Session loadSession(const fs::path& folder) {
     fromFile(folder / "poses.bin", [&](CArchive& in) {
       expectText(in, kPosesHeader);
       session.frames = getFrames(in);
-      session.entity_covariances = getCovariances(in);
+      session.entity_covariances = getCovariances<Matrix6>(in);
+      session.plane_covariances = getCovariances<Matrix3>(in);
       session.keyframes_without_closures = getPoses(in);
       expectText(in, kPosesEnd);
     });

@@ -41,6 +41,7 @@ Session sessionOf(const RunResult& run, const std::string& config_yaml) {
           config_yaml,
           run.frames,
           run.entity_covariances,
+          run.plane_covariances ? *run.plane_covariances : std::map<NodeId, Matrix3>{},
           {run.keyframes_without_closures.begin(), run.keyframes_without_closures.end()}};
 }
 

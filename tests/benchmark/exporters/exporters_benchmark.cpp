@@ -76,6 +76,14 @@ Run exampleRun(int keyframes) {
   return run;
 }
 
+/// Of a file, or of all files in a folder.
+std::uintmax_t sizeOf(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return std::filesystem::file_size(path);
+  std::uintmax_t bytes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(path)) bytes += entry.file_size();
+  return bytes;
+}
+
 void benchmarkExporter(benchmark::State& state, const std::string& name) {
   const Run run = exampleRun(static_cast<int>(state.range(0)));
   const RunResult result{run.graph, run.frames, run.covariances};
@@ -83,8 +91,8 @@ void benchmarkExporter(benchmark::State& state, const std::string& name) {
   const auto file = std::filesystem::temp_directory_path() /
                     ("dynemo-benchmark-" + std::to_string(::getpid()) + exporter->fileName());
   for (auto _ : state) exporter->write(result, file);
-  state.counters["bytes"] = static_cast<double>(std::filesystem::file_size(file));
-  std::filesystem::remove(file);
+  state.counters["bytes"] = static_cast<double>(sizeOf(file));
+  std::filesystem::remove_all(file);
 }
 
 /// One benchmark per registered exporter, found by the registry.

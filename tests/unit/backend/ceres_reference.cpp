@@ -8,6 +8,7 @@
 
 #include "dynemo/graph/edge_agent_motion.h"
 #include "dynemo/graph/edge_floor_entity.h"
+#include "dynemo/graph/edge_plane.h"
 #include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
 
@@ -119,6 +120,58 @@ struct AgentVelocity {
   }
 };
 
+/// Angle and direction between the normals as a rotation vector, in the basis of the measured
+/// normal; distance of the measured point.
+template <class T>
+bool planeError(const T* pose, const V3<T>& n_map, const T& d, const PlanePatch& measured,
+                const MatrixX& U, T* e) {
+  const V3<T> n_base = rotation(pose).conjugate() * n_map;
+  const V3<T> n_measured = measured.normal.cast<T>();
+  const V3<T> w = rotationVector<T>(Q<T>::FromTwoVectors(n_measured, n_base));
+  const Eigen::Matrix<T, 3, 2> B = orthogonalBasis(measured.normal).cast<T>();
+  // The rotation w × ñ is what moves the measured normal to the predicted one.
+  Eigen::Map<Eigen::Matrix<T, 2, 1>>{e} = B.transpose() * w.cross(n_measured);
+  e[2] = n_map.dot(rotation(pose) * measured.center.cast<T>() + position(pose)) + d;
+  return whiten<3>(U, e);
+}
+
+/// A plane parameter block is [nx ny nz d].
+struct KeyframePlane {
+  PlanePatch measured;
+  MatrixX U;
+  template <class T>
+  bool operator()(const T* pose, const T* plane, T* e) const {
+    return planeError<T>(pose, Eigen::Map<const V3<T>>(plane), plane[3], measured, U, e);
+  }
+};
+
+struct FloorGround {
+  PlanePatch measured;
+  MatrixX U;
+  template <class T>
+  bool operator()(const T* pose, const T* floor, T* e) const {
+    return planeError<T>(pose, V3<T>(T(0), T(0), T(1)), -floor[0], measured, U, e);
+  }
+};
+
+struct PlaneParallel {
+  MatrixX U;
+  template <class T>
+  bool operator()(const T* a, const T* b, T* e) const {
+    Eigen::Map<V3<T>>{e} = Eigen::Map<const V3<T>>(a).cross(Eigen::Map<const V3<T>>(b));
+    return whiten<3>(U, e);
+  }
+};
+
+struct PlanePerpendicular {
+  double u;
+  template <class T>
+  bool operator()(const T* a, const T* b, T* e) const {
+    e[0] = u * Eigen::Map<const V3<T>>(a).dot(Eigen::Map<const V3<T>>(b));
+    return true;
+  }
+};
+
 class GemanMcClureLoss : public ceres::LossFunction {
  public:
   explicit GemanMcClureLoss(double width) : c_(width * width) {}
@@ -178,11 +231,22 @@ ceres::CostFunction* costOf(const CEdgeBase& edge) {
   if (const auto* e = dynamic_cast<const CEdgeAgentVelocity*>(&edge)) {
     return costOf<AgentVelocity, 3, 7, 7, 7>({e->dt_12_s, e->dt_23_s, U});
   }
+  if (const auto* e = dynamic_cast<const CEdgeKeyframePlane*>(&edge))
+    return costOf<KeyframePlane, 3, 7, 4>({e->patch_base, U});
+  if (const auto* e = dynamic_cast<const CEdgeFloorGround*>(&edge))
+    return costOf<FloorGround, 3, 7, 1>({e->patch_base, U});
+  if (dynamic_cast<const CEdgePlaneParallel*>(&edge)) return costOf<PlaneParallel, 3, 4, 4>({U});
+  if (dynamic_cast<const CEdgePlanePerpendicular*>(&edge))
+    return costOf<PlanePerpendicular, 1, 4, 4>({U(0, 0)});
   throw std::invalid_argument(std::string("no Ceres residual for ") + edge.kind());
 }
 
 std::vector<double> parametersOf(const CNodeBase& node) {
   if (const auto* floor = dynamic_cast<const CNodeFloor*>(&node)) return {floor->level_m};
+  if (const auto* plane = dynamic_cast<const CNodePlane*>(&node)) {
+    const Plane3& p = plane->plane_map;
+    return {p.normal.x(), p.normal.y(), p.normal.z(), p.d_m};
+  }
   const Pose3& T = dynamic_cast<const CNodePose&>(node).T_map_node;
   const Eigen::Quaterniond q(T.R);
   return {T.t.x(), T.t.y(), T.t.z(), q.x(), q.y(), q.z(), q.w()};
@@ -209,6 +273,10 @@ CeresResult solveWithCeres(const CSceneGraph& graph, double tolerance) {
       problem.SetManifold(blocks[i].data(),
                           new ceres::ProductManifold(new ceres::EuclideanManifold<3>(),
                                                      new ceres::EigenQuaternionManifold()));
+    } else if (blocks[i].size() == 4) {
+      problem.SetManifold(blocks[i].data(),
+                          new ceres::ProductManifold(new ceres::SphereManifold<3>(),
+                                                     new ceres::EuclideanManifold<1>()));
     }
   }
   for (const auto& edge : graph.edgeSlots()) {

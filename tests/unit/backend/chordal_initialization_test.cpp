@@ -55,7 +55,7 @@ TEST(ChordalInitialization, NothingToDoIsNoFailure) {
 }
 
 TEST(ChordalInitialization, LeavesFloorsAndLandsNearTheMinimumOfMixedGraphs) {
-  CSceneGraph graph = generateGraph({.seed = 31}, 70);
+  CSceneGraph graph = generateGraph({.seed = 31, .planes = false}, 70);
   const double level = graph.floors()[0]->level_m;
   ASSERT_TRUE(initializeChordal(graph));
   EXPECT_EQ(graph.floors()[0]->level_m, level);

@@ -5,6 +5,7 @@
 
 #include "dynemo/graph/edge_agent_motion.h"
 #include "dynemo/graph/edge_floor_entity.h"
+#include "dynemo/graph/edge_plane.h"
 #include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
 
@@ -14,6 +15,8 @@ namespace {
 constexpr double kStorey_m = 3.2;
 constexpr double kOdometry_m = 0.03, kOdometry_rad = 0.008;
 constexpr double kDetection_m = 0.03, kDetection_rad = 0.03;
+constexpr double kPlane_m = 0.01, kPlane_rad = 0.01;
+constexpr int kWalls = 4;
 constexpr int kObjectsPerFloor = 24;
 constexpr std::int64_t kAgent = 1'000'000;
 
@@ -145,6 +148,59 @@ NodeId GeneratedWorld::floorNode(const CSceneGraph& graph, GraphDelta& delta) {
   return floor->id;
 }
 
+Plane3 GeneratedWorld::wall(int floor, int index) const {
+  const double turn = 0.5 * std::numbers::pi * index + 0.2 * floor;
+  const Vector3 n(-std::cos(turn), -std::sin(turn), 0.0);
+  return {n, 15.0};
+}
+
+PlanePatch GeneratedWorld::measured(const Plane3& plane_map) {
+  const Plane3 plane = robotAt(k_).inverse() * plane_map;
+  PlanePatch patch;
+  patch.normal = sphereExp(plane.normal, Vector2(kPlane_rad * gauss(), kPlane_rad * gauss()));
+  const Vector3 aside = orthogonalBasis(plane.normal) * Vector2(gauss(), gauss());
+  patch.center = aside - (plane.distance(aside) + kPlane_m * gauss()) * plane.normal;
+  return patch;
+}
+
+template <class Edge>
+void GeneratedWorld::seePlane(const CSceneGraph& graph, GraphDelta& delta, NodeId keyframe,
+                              NodeId seen, const Plane3& plane_map) {
+  auto edge = addEdge<Edge>(graph, delta, {keyframe, seen});
+  edge->patch_base = measured(plane_map);
+  edge->point_count = 200;
+  edge->setCovariance(
+      Vector3(kPlane_rad * kPlane_rad, kPlane_rad * kPlane_rad, kPlane_m * kPlane_m).asDiagonal());
+  if (params_.outliers) edge->kernel = {KernelType::kCauchy, 3.0};
+}
+
+void GeneratedWorld::seeStructure(const CSceneGraph& graph, GraphDelta& delta,
+                                  const CNodeKeyframe& keyframe) {
+  const int floor = floorAt(k_);
+  const double level_m = kStorey_m * floor;
+  seePlane<CEdgeFloorGround>(graph, delta, keyframe.id, floorNode(graph, delta),
+                             {Vector3::UnitZ(), -level_m});
+  const int index = k_ % kWalls;
+  const Plane3 plane_map = wall(floor, index);
+  const auto [it, unknown] = walls_.try_emplace({floor, index});
+  if (unknown) {
+    auto node = addNode<CNodePlane>(graph, delta);
+    node->plane_map = node->plane_map_first =
+        keyframe.T_map_node * (robotAt(k_).inverse() * plane_map);
+    it->second = node->id;
+    const auto known = [&](int other) { return walls_.find({floor, other}); };
+    if (const auto opposite = known((index + 2) % kWalls); opposite != walls_.end()) {
+      auto edge = addEdge<CEdgePlaneParallel>(graph, delta, {opposite->second, node->id});
+      edge->setCovariance(1e-4 * MatrixX::Identity(3, 3));
+    }
+    if (const auto beside = known((index + 3) % kWalls); beside != walls_.end()) {
+      auto edge = addEdge<CEdgePlanePerpendicular>(graph, delta, {beside->second, node->id});
+      edge->setCovariance(1e-4 * MatrixX::Identity(1, 1));
+    }
+  }
+  seePlane<CEdgeKeyframePlane>(graph, delta, keyframe.id, it->second, plane_map);
+}
+
 GraphDelta GeneratedWorld::nextKeyframe(const CSceneGraph& graph) {
   GraphDelta delta;
   auto keyframe = addNode<CNodeKeyframe>(graph, delta);
@@ -174,6 +230,7 @@ GraphDelta GeneratedWorld::nextKeyframe(const CSceneGraph& graph) {
   }
   observe(graph, {kAgent}, agentPose(k_), SemanticClass::kAgent, keyframe->id, keyframe->T_map_node,
           delta);
+  if (params_.planes && k_ % 3 == 0) seeStructure(graph, delta, *keyframe);
   const int lap_ago = k_ - params_.keyframes_per_lap;
   if (params_.loop_every > 0 && lap_ago >= 0 && k_ % params_.loop_every == 0 &&
       floorAt(lap_ago) == floorAt(k_)) {

@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include "dynemo/graph/plane_patch.h"
 #include "dynemo/graph/scene_graph.h"
 
 namespace dynemo::test {
@@ -19,11 +20,13 @@ struct WorldParams {
   /// Robust kernels of all kinds on the detections, and wrong detections for them.
   bool outliers = false;
   bool pose_prior = true, floor_prior = true;
+  /// Walls, and the ground as a plane.
+  bool planes = true;
 };
 
-/// The robot drives laps, floor by floor, sees objects on the walls and follows an agent. Each call
-/// makes the delta of one more keyframe, with estimates as a front-end would give them: dead
-/// reckoning from the graph's last keyframe.
+/// The robot drives laps, floor by floor, sees walls, the ground and objects, and follows an agent.
+/// Each call makes the delta of one more keyframe, with estimates as a front-end would give them:
+/// dead reckoning from the graph's last keyframe.
 class GeneratedWorld {
  public:
   explicit GeneratedWorld(const WorldParams& params) : params_(params), rng_(params.seed) {}
@@ -42,10 +45,19 @@ class GeneratedWorld {
                GraphDelta& delta);
   void constrainAgent(const CSceneGraph& graph, const CNodeEntity& newest, GraphDelta& delta);
   NodeId floorNode(const CSceneGraph& graph, GraphDelta& delta);
+  Plane3 wall(int floor, int index) const;
+  /// The plane as the robot sees it, with noise.
+  PlanePatch measured(const Plane3& plane_map);
+  template <class Edge>
+  void seePlane(const CSceneGraph& graph, GraphDelta& delta, NodeId keyframe, NodeId seen,
+                const Plane3& plane_map);
+  /// The ground, and one of the walls.
+  void seeStructure(const CSceneGraph& graph, GraphDelta& delta, const CNodeKeyframe& keyframe);
 
   WorldParams params_;
   std::mt19937_64 rng_;
   int k_ = 0;
+  std::map<std::pair<int, int>, NodeId> walls_;  ///< by floor and index
 };
 
 /// A graph of `keyframes` keyframes, none of it optimised yet.

@@ -52,6 +52,7 @@ class SessionTest : public testing::Test {
     session_.graph.apply(delta);
     session_.frames = {{{5}, randomPose(rng), randomPose(rng)}, {{7}, Pose3(), randomPose(rng)}};
     session_.entity_covariances[{2}] = randomInformation(6, rng);
+    session_.plane_covariances[{1}] = randomInformation(3, rng);
     session_.keyframes_without_closures = {randomPose(rng), randomPose(rng), randomPose(rng)};
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -103,6 +104,7 @@ TEST_F(SessionTest, LoadsBackFramesAndCovariancesExactly) {
     EXPECT_EQ(loaded.frames[i].T_map_base.t, session_.frames[i].T_map_base.t);
   }
   EXPECT_EQ(loaded.entity_covariances, session_.entity_covariances);
+  EXPECT_EQ(loaded.plane_covariances, session_.plane_covariances);
   ASSERT_EQ(loaded.keyframes_without_closures.size(), 3u);
   EXPECT_EQ(loaded.keyframes_without_closures[2].t, session_.keyframes_without_closures[2].t);
 }

@@ -25,7 +25,7 @@ struct RunResult {
 /// A stored session as the run that wrote it; valid while the session is.
 inline RunResult resultOf(const Session& session) {
   return {session.graph, session.frames, session.entity_covariances,
-          session.keyframes_without_closures};
+          session.keyframes_without_closures, &session.plane_covariances};
 }
 
 }  // namespace dynemo

@@ -18,13 +18,16 @@ struct FramePose {
 };
 
 /// A whole mapping session: the graph with its drift, the effective configuration, the keyframes'
-/// clouds, the frames between the keyframes, and the uncertainty of the entities.
+/// clouds, the frames between the keyframes, and the uncertainty of entities and
+/// planes.
 struct Session {
   CSceneGraph graph;
   std::string config_yaml;
   std::vector<FramePose> frames = {};
   /// Marginal covariance of entity nodes' tangents, where computed.
   std::map<NodeId, Matrix6> entity_covariances = {};
+  /// Marginal covariance of plane nodes' tangents, where computed.
+  std::map<NodeId, Matrix3> plane_covariances = {};
   /// T_map_base of each keyframe as the graph has it without its loop closures; empty when there is
   /// none.
   std::vector<Pose3> keyframes_without_closures = {};
