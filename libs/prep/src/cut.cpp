@@ -17,7 +17,7 @@ constexpr std::int64_t kMostParts = 500;
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
 fs::path partName(const fs::path& output, std::int64_t index) {
-  char number[16];
+  char number[32];
   std::snprintf(number, sizeof(number), "_%02lld", static_cast<long long>(index + 1));
   return output.parent_path() / (output.stem().string() + number + output.extension().string());
 }
