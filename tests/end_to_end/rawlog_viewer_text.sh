@@ -38,9 +38,10 @@ for _ in {1..120}; do
     xdotool windowmove "$window" 0 0 windowsize "$window" 1270 990 || true
   done
   import -window root -crop "$pane" +repage -resize 250% "$scratch/pane.png" 2>/dev/null || continue
-  # A pane without text is small as a file: not worth reading yet.
+  # Reading takes long: only what does not change any more, and is no empty pane (which is small as a file).
+  cmp -s "$scratch/pane.png" "$scratch/before.png" || { cp "$scratch/pane.png" "$scratch/before.png"; continue; }
   [[ $(stat -c %s "$scratch/pane.png") -gt 30000 ]] || continue
-  tesseract "$scratch/pane.png" "$scratch/pane" --psm 6 >/dev/null 2>&1
+  OMP_THREAD_LIMIT=1 tesseract "$scratch/pane.png" "$scratch/pane" --psm 6 >/dev/null 2>&1
   if grep -q 'Summary of classes' "$scratch/pane.txt"; then
     cat "$scratch/pane.txt"
     exit 0
