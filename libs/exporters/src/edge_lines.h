@@ -1,6 +1,7 @@
 // The edges of the graph as lines, for every format that draws them.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,8 +10,9 @@
 
 namespace dynemo {
 
-/// Where a node is drawn [m, map frame]; empty for one that has no place of its own, as a floor.
-std::optional<Vector3> placeOf(const CNodeBase& node);
+/// Where nodes are drawn [m, map frame], by id; a floor has no place of its own.
+using NodePlaces = std::map<NodeId, Vector3>;
+NodePlaces nodePlaces(const CSceneGraph& graph);
 
 struct EdgeLine {
   Vector3 from, to;
@@ -19,7 +21,8 @@ struct EdgeLine {
 
 /// The line between two nodes, or nothing when neither has a place. A floor is everywhere: its end
 /// is straight below the other.
-std::optional<EdgeLine> lineBetween(const CSceneGraph& graph, NodeId a, NodeId b);
+std::optional<EdgeLine> lineBetween(const CSceneGraph& graph, const NodePlaces& places, NodeId a,
+                                    NodeId b);
 
 /// One edge; an edge of several nodes has a line between each two consecutive ones.
 struct EdgeLines {
@@ -41,7 +44,8 @@ struct EdgeKindLines {
 /// In the order of edgeTypes(); kinds without edges are left out.
 std::vector<EdgeKindLines> edgeLines(const CSceneGraph& graph);
 
-/// Corners of the box around all pose nodes, seen from above.
-std::optional<Eigen::AlignedBox2d> footprint(const CSceneGraph& graph);
+/// Where a floor is drawn, seen from above: its own area, or the box around all pose nodes where it
+/// has none, a little wider.
+std::optional<Eigen::AlignedBox2d> floorArea(const CSceneGraph& graph, const CNodeFloor& floor);
 
 }  // namespace dynemo

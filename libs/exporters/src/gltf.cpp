@@ -9,6 +9,7 @@
 #include "gltf_builder.h"
 #include "map_cloud.h"
 #include "picture_points.h"
+#include "plane_faces.h"
 
 namespace dynemo {
 namespace {
@@ -40,6 +41,7 @@ class Writer {
   GltfBuilder build() {
     addPoints();
     addFloors();
+    addPlanes();
     addEdges();
     addKeyframes();
     addRobot();
@@ -69,12 +71,12 @@ class Writer {
 
   void addFloors() {
     const int parent = layer("floors");
-    const auto area = footprint(run_.graph);
-    if (!area) return;
-    constexpr double kMargin_m = 1.0, kThickness_m = 0.01, kOpacity = 0.35;
+    constexpr double kThickness_m = 0.01, kOpacity = 0.35;
     for (const auto& floor : run_.graph.floors()) {
-      const Vector3 min(area->min().x() - kMargin_m, area->min().y() - kMargin_m, -kThickness_m);
-      const Vector3 max(area->max().x() + kMargin_m, area->max().y() + kMargin_m, 0.0);
+      const auto area = floorArea(run_.graph, *floor);
+      if (!area) continue;
+      const Vector3 min(area->min().x(), area->min().y(), -kThickness_m);
+      const Vector3 max(area->max().x(), area->max().y(), 0.0);
       const std::string name = "floor " + std::to_string(floor->id.value);
       const int mesh = gltf_.addMesh(
           {name, GltfMode::kTriangles, boxTriangles(min, max), {}, {kFloorRgb, kOpacity}});
@@ -83,6 +85,24 @@ class Writer {
                      mesh,
                      Pose3::translation(0.0, 0.0, floor->level_m),
                      {{"node", floor->id.value}, {"level_m", floor->level_m}}});
+    }
+  }
+
+  void addPlanes() {
+    const int parent = layer("planes");
+    for (const PlaneFace& face : planeFaces(run_.graph)) {
+      if (face.triangles.empty()) continue;
+      GltfMesh mesh{face.title(), GltfMode::kTriangles, {}, {}, {kPlaneRgb, 0.4}};
+      for (const Vector3& p : face.triangles) mesh.positions.push_back(p.cast<float>());
+      const Plane3& plane = face.plane->plane_map;
+      gltf_.addNode({face.title(),
+                     parent,
+                     gltf_.addMesh(mesh),
+                     {},
+                     {{"node", face.plane->id.value},
+                      {"normal", {plane.normal.x(), plane.normal.y(), plane.normal.z()}},
+                      {"d", plane.d_m},
+                      {"area_m2", face.area_m2}}});
     }
   }
 

@@ -1,6 +1,7 @@
 // One self-contained web page that shows the run in three.js: the scene graph in layers over time.
 // Everything numeric is base64 of little-endian arrays; points are quantised to 16 bits per axis.
 #include <cmath>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "base64.h"
@@ -12,6 +13,7 @@
 #include "factories.h"
 #include "map_cloud.h"
 #include "picture_points.h"
+#include "plane_faces.h"
 #include "scene_view.h"
 #include "voxel_thinning.h"
 #include "web_assets.h"
@@ -93,6 +95,7 @@ class Writer {
             {"odometry", odometryText()},
             {"keyframes", keyframesJson()},
             {"floors", floorsJson()},
+            {"planes", planesJson()},
             {"entities", entitiesJson()},
             {"edge_count", run_.graph.edgeCount()},
             {"edges", edgesJson()}};
@@ -134,16 +137,29 @@ class Writer {
   }
 
   Json floorsJson() const {
-    constexpr double kMargin_m = 1.0;
     Json list = Json::array();
-    const auto area = footprint(run_.graph);
-    if (!area) return list;
     for (const auto& floor : run_.graph.floors()) {
-      list.push_back({{"id", floor->id.value},
-                      {"level", floor->level_m},
-                      {"area",
-                       {area->min().x() - kMargin_m, area->min().y() - kMargin_m,
-                        area->max().x() + kMargin_m, area->max().y() + kMargin_m}}});
+      const auto area = floorArea(run_.graph, *floor);
+      if (!area) continue;
+      list.push_back(
+          {{"id", floor->id.value},
+           {"level", floor->level_m},
+           {"area", {area->min().x(), area->min().y(), area->max().x(), area->max().y()}}});
+    }
+    return list;
+  }
+
+  Json planesJson() const {
+    Json list = Json::array();
+    for (const PlaneFace& face : planeFaces(run_.graph)) {
+      Floats triangles;
+      for (const Vector3& p : face.triangles) triangles.add(p);
+      char area[32];
+      std::snprintf(area, sizeof(area), "%.1f m\u00b2", face.area_m2);
+      list.push_back({{"title", face.title() + (face.is_ceiling ? " (ceiling)\n" : "\n") + area},
+                      {"ceiling", face.is_ceiling},
+                      {"color", kPlaneRgb},
+                      {"triangles", triangles.text()}});
     }
     return list;
   }

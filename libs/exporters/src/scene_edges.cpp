@@ -24,14 +24,13 @@ mrpt::opengl::CSetOfObjects::Ptr sceneEdges(const RunResult& run, const ScenePar
   return group;
 }
 
-mrpt::opengl::CSetOfObjects::Ptr sceneFloors(const RunResult& run, const SceneParams& params) {
+mrpt::opengl::CSetOfObjects::Ptr sceneFloors(const RunResult& run, const SceneParams&) {
   auto group = mrpt::opengl::CSetOfObjects::Create();
   group->setName("floors");
-  const auto area = footprint(run.graph);
-  if (!area) return group;
-  const Eigen::Vector2f min = (area->min().array() - params.floor_margin_m).cast<float>();
-  const Eigen::Vector2f max = (area->max().array() + params.floor_margin_m).cast<float>();
   for (const auto& floor : run.graph.floors()) {
+    const auto area = floorArea(run.graph, *floor);
+    if (!area) continue;
+    const Eigen::Vector2f min = area->min().cast<float>(), max = area->max().cast<float>();
     auto grid = mrpt::opengl::CGridPlaneXY::Create(min.x(), max.x(), min.y(), max.y(),
                                                    static_cast<float>(floor->level_m), 1.0f);
     grid->setColor_u8(colorFromRgb(0xb8b8b8));

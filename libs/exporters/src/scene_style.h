@@ -27,8 +27,6 @@ struct SceneParams {
   /// Where the default camera stands, as SceneViewer3D starts.
   float azimuth_deg = 45.0f;
   float elevation_deg = 50.0f;
-  double floor_margin_m = 1.0;
-  std::uint32_t plane_rgb = 0x9aa7b5;
   std::uint8_t plane_alpha = 70;
   bool labels = true;
 };

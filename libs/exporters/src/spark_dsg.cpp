@@ -154,14 +154,16 @@ Json floorJson(const CNodeFloor& floor) {
 }
 
 /// A node of a kind that spark_dsg knows nothing of: its state as numbers.
-Json otherJson(const CNodeBase& node) {
+Json otherJson(const CNodeBase& node, const NodePlaces& places) {
   std::vector<double> state(static_cast<std::size_t>(node.stateSize()));
   node.readState(state.data());
-  return {{"type", "SemanticNodeAttributes"},
-          {"metadata", {{"kind", node.kind()}, {"state", state}}},
-          {"position", vectorJson(placeOf(node).value_or(Vector3::Zero()))},
-          {"name", std::string(node.kind()) + " " + std::to_string(node.id.value)},
-          {"semantic_label", 0}};
+  const auto place = places.find(node.id);
+  return {
+      {"type", "SemanticNodeAttributes"},
+      {"metadata", {{"kind", node.kind()}, {"state", state}}},
+      {"position", vectorJson(place == places.end() ? Vector3(Vector3::Zero()) : place->second)},
+      {"name", std::string(node.kind()) + " " + std::to_string(node.id.value)},
+      {"semantic_label", 0}};
 }
 
 class Writer {
@@ -204,6 +206,7 @@ class Writer {
   Json nodesJson() {
     Json nodes = Json::array();
     const auto& graph = run_.graph;
+    const NodePlaces places = nodePlaces(graph);
     const auto add = [&](const Layer& layer, std::uint64_t index, const Json& attributes) {
       nodes.push_back(nodeJson(layer, index, attributes));
       return sparkId(layer, index);
@@ -221,7 +224,8 @@ class Writer {
       } else if (const auto* floor = dynamic_cast<const CNodeFloor*>(slot.get())) {
         spark_of_[slot->id] = add(kFloors, slot->id.value, floorJson(*floor));
       } else {
-        spark_of_[slot->id] = add(other_layers_.at(slot->kind()), slot->id.value, otherJson(*slot));
+        spark_of_[slot->id] =
+            add(other_layers_.at(slot->kind()), slot->id.value, otherJson(*slot, places));
       }
     }
     return nodes;

@@ -167,7 +167,7 @@ addLayer('Graph', 'Floors', floors, { swatch: '#b8c0cc', count: data.floors.leng
 
 // Planes, where the graph has any.
 const planes = new THREE.Group();
-(data.planes || []).forEach(p => {
+data.planes.filter(p => !p.ceiling).forEach(p => {
   const corners = floats(p.triangles);
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(corners, 3));
@@ -177,7 +177,7 @@ const planes = new THREE.Group();
   planes.add(face);
 });
 if (planes.children.length)
-  addLayer('Graph', 'Planes', planes, { swatch: '#c49c5a', count: data.planes.length, level: kLevel.plane });
+  addLayer('Graph', 'Planes', planes, { swatch: '#9aa7b5', count: planes.children.length, level: kLevel.plane });
 
 // Keyframes.
 const keyframes = new THREE.Group();
@@ -270,7 +270,7 @@ const edgeKinds = data.edges.map(kind => {
       { vertexColors: THREE.VertexColors, transparent: true, opacity: 0.6 }));
   const edge = { kind, segments, levels, info, object, geometry, colors, base };
   object.userData.edges = edge;
-  const quiet = kind.kind === 'floor_entity';
+  const quiet = /floor|plane/.test(kind.kind);
   addLayer('Edges', kind.kind.replace(/_/g, ' '), object,
            { swatch: cssColor(kind.color), line: true, count: kind.count, visible: !quiet });
   return edge;
