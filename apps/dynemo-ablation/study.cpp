@@ -6,9 +6,9 @@
 #include <mutex>
 #include <thread>
 
+#include "dynemo/core/child_process.h"
 #include "dynemo/core/error.h"
 #include "dynemo/core/output_file.h"
-#include "dynemo/experiments/process.h"
 #include "task_pool.h"
 
 namespace dynemo {
@@ -27,10 +27,12 @@ fs::path program(const std::string& name) {
 }
 
 void call(const std::vector<std::string>& command, const fs::path& log) {
-  const int status = experiments::runProcess(command, log);
-  if (status != 0)
-    throw DataError(fs::path(command.front()).filename().string() + " ended with status " +
-                    std::to_string(status) + "; see " + log.string());
+  const ChildExit exit = ChildProcess(command, log).wait();
+  if (exit.status == 0) return;
+  const std::string how = exit.signal != 0 ? "was ended by signal " + std::to_string(exit.signal)
+                                           : "ended with status " + std::to_string(exit.status);
+  throw DataError(fs::path(command.front()).filename().string() + " " + how + "; see " +
+                  log.string());
 }
 
 class Study {

@@ -1,6 +1,11 @@
 // dynemo-ablation from datasets to report, and that its shortcuts change nothing.
 #include <gtest/gtest.h>
 
+#include <csignal>
+#include <fstream>
+#include <iterator>
+#include <thread>
+
 #include "slam_run.h"
 
 namespace dynemo::test {
@@ -41,6 +46,38 @@ TEST(Ablation, RunsReportsAndContinuesWhereItStopped) {
   EXPECT_NE(third.out.find("[2/2]"), std::string::npos) << third.out;
   const auto accuracy = [](const std::string& csv) { return csv.substr(0, csv.rfind(',')); };
   EXPECT_EQ(accuracy(readBytes(folder / "runs.csv")), accuracy(runs));
+}
+
+/// Running programs that have both texts in their command line.
+std::size_t processesNaming(const std::string& program, const std::string& text) {
+  std::size_t count = 0;
+  for (const auto& process : fs::directory_iterator("/proc")) {
+    std::ifstream in(process.path() / "cmdline", std::ios::binary);
+    const std::string line(std::istreambuf_iterator<char>(in), {});
+    const bool both =
+        line.find(program) != std::string::npos && line.find(text) != std::string::npos;
+    count += both ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(Ablation, NoProgramOutlivesIt) {
+  for (const int signal : {SIGINT, SIGTERM, SIGKILL}) {
+    const TemporaryFolder folder;
+    const std::string name = folder.path().string();
+    const auto wait = [&](std::chrono::seconds limit_s, auto reached) {
+      const auto limit = std::chrono::steady_clock::now() + limit_s;
+      while (!reached() && std::chrono::steady_clock::now() < limit)
+        std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      return reached();
+    };
+    Process study({DYNEMO_ABLATION, "--plan", "smoke", "--duration", "60", "--output", name});
+    ASSERT_TRUE(wait(kTimeLimit, [&] { return processesNaming("dynemo-simulate", name) == 1; }));
+    study.send(signal);
+    EXPECT_EQ(study.finish(kTimeLimit).signal, signal);
+    EXPECT_TRUE(
+        wait(std::chrono::seconds(2), [&] { return processesNaming("dynemo-", name) == 0; }));
+  }
 }
 
 TEST(Ablation, UnknownDatasetsAndPlansAreRefused) {

@@ -11,7 +11,7 @@
 #include <sstream>
 #include <thread>
 
-#include "child_process.h"
+#include "dynemo/core/child_process.h"
 
 namespace dynemo {
 

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <thread>
 
-#include "child_process.h"
+#include "dynemo/core/child_process.h"
 #include "dynemo/core/error.h"
 #include "dynemo/core/output_file.h"
 
@@ -26,15 +26,13 @@ struct CommandResult {
 };
 
 CommandResult runCommand(const std::vector<std::string>& command, const fs::path& scratch) {
-  ChildProcess process(command, scratch);
-  auto exit = process.poll();
-  for (; !exit; exit = process.poll()) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  const ChildExit exit = ChildProcess(command, scratch).wait();
   std::ifstream in(scratch);
   std::ostringstream text;
   text << in.rdbuf();
   std::string said = text.str();
   while (!said.empty() && said.back() == '\n') said.pop_back();
-  return {exit->status, said};
+  return {exit.status, said};
 }
 
 /// A word for the shell.

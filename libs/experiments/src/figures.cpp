@@ -6,9 +6,9 @@
 #include <fstream>
 #include <sstream>
 
+#include "dynemo/core/child_process.h"
 #include "dynemo/core/error.h"
 #include "dynemo/core/output_file.h"
-#include "dynemo/experiments/process.h"
 #include "dynemo/simulation/solids.h"
 #include "dynemo/simulation/world_file.h"
 
@@ -53,7 +53,7 @@ class Plot {
         curves_ + "\n";
     writeFileAtomically(folder / (name_ + ".gp"), script);
     const fs::path log = folder / (name_ + ".log");
-    if (runProcess({"gnuplot", (folder / (name_ + ".gp")).string()}, log) != 0)
+    if (ChildProcess({"gnuplot", (folder / (name_ + ".gp")).string()}, log).wait().status != 0)
       throw DataError("gnuplot failed on " + (folder / (name_ + ".gp")).string() + "; see " +
                       log.string());
     std::ifstream in(folder / (name_ + ".svg"));

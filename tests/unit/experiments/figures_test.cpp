@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "dynemo/experiments/process.h"
 #include "made_up_runs.h"
 
 namespace dynemo::experiments {
@@ -24,13 +23,6 @@ TEST(Figures, AreDrawnByGnuplot) {
   }
   EXPECT_NE(figures[1].svg.find("truth"), std::string::npos);
   EXPECT_NE(figures[1].svg.find("Full"), std::string::npos);
-}
-
-TEST(Process, GivesTheStatusAndTheOutput) {
-  const fs::path log = fs::path(testing::TempDir()) / "process.log";
-  EXPECT_EQ(runProcess({"sh", "-c", "echo said; exit 7"}, log), 7);
-  EXPECT_EQ(fs::file_size(log), 5u);
-  EXPECT_EQ(runProcess({"sh", "-c", "kill -9 $$"}, log), 128 + 9);
 }
 
 }  // namespace

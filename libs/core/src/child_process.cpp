@@ -1,4 +1,4 @@
-#include "child_process.h"
+#include "dynemo/core/child_process.h"
 
 #include <fcntl.h>
 #include <sys/prctl.h>
@@ -53,9 +53,18 @@ ChildProcess::~ChildProcess() {
 
 ChildProcess::ChildProcess(ChildProcess&& other) noexcept : pid_(other.pid_) { other.pid_ = -1; }
 
-std::optional<ChildExit> ChildProcess::poll() {
+std::optional<ChildExit> ChildProcess::poll() { return waitWith(WNOHANG); }
+
+ChildExit ChildProcess::wait() {
+  auto exit = waitWith(0);
+  for (; !exit; exit = waitWith(0)) {
+  }
+  return *exit;
+}
+
+std::optional<ChildExit> ChildProcess::waitWith(int options) {
   int status = 0;
-  const pid_t ended = ::waitpid(pid_, &status, WNOHANG);
+  const pid_t ended = ::waitpid(pid_, &status, options);
   if (ended == 0 || (ended < 0 && errno == EINTR)) return std::nullopt;
   pid_ = -1;
   if (WIFEXITED(status)) return ChildExit{WEXITSTATUS(status), 0};

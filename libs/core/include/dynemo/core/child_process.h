@@ -15,10 +15,12 @@ struct ChildExit {
   int signal = 0;
 };
 
-/// A program whose output goes to a file, and which the kernel ends when this process ends.
+/// A program whose output goes to a file, and which the kernel kills when the thread that started
+/// it ends, in whatever way: no program outlives the one that waits for it.
 class ChildProcess {
  public:
-  /// Throws DataError when it cannot be started.
+  /// Throws DataError when the file cannot be written. A program that is not there exits with
+  /// status 127, as in a shell, and the file says why.
   ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& output);
   /// Ends the program when it still runs.
   ~ChildProcess();
@@ -28,9 +30,13 @@ class ChildProcess {
 
   /// Its end, without waiting; empty while it runs.
   std::optional<ChildExit> poll();
+  /// Its end.
+  ChildExit wait();
   void send(int signal) const;
 
  private:
+  std::optional<ChildExit> waitWith(int options);
+
   pid_t pid_ = -1;
 };
 
