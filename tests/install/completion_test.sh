@@ -43,4 +43,18 @@ expect dynemo-prep t : trim tags
 expect dynemo-prep trim --f : --from
 expect dynemo-prep trim so : some.rawlog
 expect dynemo-batch --slurm : --slurm --slurm-option
+expect dynemo-eval --ent : --entities-reference
+expect dynemo-eval --reference so : some.rawlog
+expect dynemo-simulate --scale m : mini
+expect dynemo-simulate --motion-distortion o : on off
+expect dynemo-ablation --scale f : full
+expect dynemo-ablation --output f : folder
+expect dynemo-export --format s : spark-dsg
+expect dynemo-export --set cloud.e : cloud.entities=
+expect dynemo-export fol : folder
+expect dynemo-query w : where
+expect dynemo-query diff --j : --json
+expect dynemo-query diff fol : folder
+expect dynemo-optimize --initial '' : auto file chordal
+expect dynemo-optimize some : some.rawlog
 ((failures == 0))

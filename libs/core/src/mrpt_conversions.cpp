@@ -1,6 +1,7 @@
 #include "dynemo/core/mrpt_conversions.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 namespace dynemo {
@@ -67,6 +68,14 @@ Matrix6 covarianceFromMrpt(const Pose3& T, const mrpt::math::CMatrixDouble66& yp
   const Matrix6 J_inv = yprJacobian(T).inverse();
   const Matrix6 out = J_inv * cov * J_inv.transpose();
   return 0.5 * (out + out.transpose());
+}
+
+std::string mrptReason(const std::exception& error) {
+  const std::string text = error.what(), key = "Message:";
+  const std::size_t begin = text.find(key);
+  if (begin == std::string::npos) return text.substr(0, text.find('\n'));
+  const std::size_t from = std::min(text.find_first_not_of(' ', begin + key.size()), text.size());
+  return text.substr(from, text.find('\n', from) - from);
 }
 
 mrpt::poses::CPose3DPDFGaussian toMrptGaussian(const Pose3& T, const Matrix6& tangent_cov) {

@@ -38,15 +38,6 @@ mrpt::opengl::CCamera mrptCamera(const PictureCamera& camera) {
   return placed;
 }
 
-/// Why MRPT threw, without its stack of calls.
-std::string reason(const std::exception& e) {
-  const std::string text = e.what(), key = "Message:";
-  const std::size_t begin = text.find(key);
-  if (begin == std::string::npos) return text.substr(0, text.find('\n'));
-  const std::size_t from = text.find_first_not_of(' ', begin + key.size());
-  return text.substr(from, text.find('\n', from) - from);
-}
-
 /// One renderer for all views: a scene's buffers belong to the context of its first rendering.
 class Renderer {
  public:
@@ -79,7 +70,7 @@ class Renderer {
       action();
     } catch (const std::exception& e) {
       throw DataError("png: cannot be rendered (it takes EGL, Debian's libegl-mesa0): " +
-                      reason(e));
+                      mrptReason(e));
     }
   }
 

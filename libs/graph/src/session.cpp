@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "archive.h"
+#include "dynemo/core/mrpt_conversions.h"
 #include "dynemo/core/output_file.h"
 #include "dynemo/graph/types.h"
 
@@ -55,8 +56,7 @@ void fromFile(const fs::path& file, const std::function<void(CArchive&)>& read) 
   try {
     read(archive);
   } catch (const std::exception& e) {
-    std::string why = e.what();
-    throw DataError(file.string() + ": is damaged: " + why.substr(0, why.find('\n')));
+    throw DataError(file.string() + ": is damaged: " + mrptReason(e));
   }
   if (memory.getPosition() != data.size())
     throw DataError(file.string() + ": is damaged: bytes after the end");

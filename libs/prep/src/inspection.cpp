@@ -52,11 +52,15 @@ void inspectFrames(const std::filesystem::path& rawlog, const InspectionParams& 
          "choose with --set here and for dynemo-slam, or rename or remove sensors: dynemo-prep "
          "relabel, rawlog-edit --remove-label"});
   } catch (const DataError& e) {
+    const std::string why = e.what();
+    const bool named = why.find("of the configured sensor") != std::string::npos;
     inspection.findings.push_back(
-        {Severity::kError, e.what(),
-         "dynemo-slam needs scans, images with tags, entity detections or odometry, as "
-         "CObservationPointCloud, CObservationImage, CObservation6DFeatures, "
-         "CObservationRobotPose, …"});
+        {Severity::kError, why,
+         named ? "name sensors that are there, or none: they are found by themselves when there is "
+                 "only one of a kind"
+               : "dynemo-slam needs scans, images with tags, entity detections or odometry, as "
+                 "CObservationPointCloud, CObservationImage, CObservation6DFeatures, "
+                 "CObservationRobotPose, …"});
   }
   inspection.images_searched = survey.imagesSearched();
   inspection.tags = survey.tags();

@@ -209,7 +209,11 @@ void Judge::ingest() {
                            what.find("image file not found") != std::string::npos;
     if (explained) continue;
     std::string fix;
-    if (what.find("size is not that of its calibration") != std::string::npos)
+    if (what.find("of the configured sensor") != std::string::npos)
+      fix =
+          "name a sensor of the table above, or none: it is found by itself when it is the only "
+          "one of its kind";
+    else if (what.find("size is not that of its calibration") != std::string::npos)
       fix = "dynemo-prep set-calibration with a calibration of that size";
     else if (what.find("without scan within") != std::string::npos || what.find("without") == 0)
       fix = "sensors.sync.max_image_offset_s says how far an image may be from its scan";

@@ -29,6 +29,7 @@ RewriteReport setExtrinsics(const fs::path& input, const fs::path& output,
 }
 
 mrpt::img::TCamera readCalibration(const fs::path& yaml_file) {
+  if (!fs::is_regular_file(yaml_file)) throw ConfigError(yaml_file.string() + ": no such file");
   try {
     const auto yaml = mrpt::containers::yaml::FromFile(yaml_file.string());
     const auto camera = mrpt::img::TCamera::FromYAML(yaml);
@@ -37,10 +38,7 @@ mrpt::img::TCamera readCalibration(const fs::path& yaml_file) {
       throw ConfigError("image size and focal lengths must be > 0");
     return camera;
   } catch (const std::exception& e) {
-    // MRPT's messages come with a call stack below the first line.
-    const std::string what = e.what();
-    throw ConfigError(yaml_file.string() +
-                      ": is no camera calibration: " + what.substr(0, what.find('\n')));
+    throw ConfigError(yaml_file.string() + ": is no camera calibration: " + mrptReason(e));
   }
 }
 

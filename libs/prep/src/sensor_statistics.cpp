@@ -85,7 +85,11 @@ struct Statistics {
   void takeStamp(Stamp stamp, double sort_window_s);
   void takePose(const CObservation& o);
   void takeContent(const CObservation& o, const ExternalFiles& files);
-  void finish();
+  void finish(const Statistics* reference);
+
+ private:
+  /// Where its clock stands against the reference's.
+  double clockOffset(const Statistics& reference) const;
 };
 
 void Statistics::takeStamp(Stamp stamp, double sort_window_s) {
@@ -135,9 +139,21 @@ void Statistics::takeContent(const CObservation& o, const ExternalFiles& files) 
   }
 }
 
-void Statistics::finish() {
+double Statistics::clockOffset(const Statistics& reference) const {
+  if (!sensor.first) return 0.0;
+  const bool disjoint =
+      *sensor.first > *reference.sensor.last || *sensor.last < *reference.sensor.first;
+  const auto [low, high] = std::minmax_element(offsets_s.begin(), offsets_s.end());
+  // A log that was sorted by stamps says nothing of what was recorded when: both are taken to have
+  // begun together.
+  if (disjoint && (offsets_s.empty() || *high - *low > kOtherClock_s))
+    return secondsBetween(*reference.sensor.first, *sensor.first);
+  return median(offsets_s);
+}
+
+void Statistics::finish(const Statistics* reference) {
   sensor.median_interval_s = median(intervals_s);
-  sensor.clock_offset_s = median(offsets_s);
+  if (reference && reference != this) sensor.clock_offset_s = clockOffset(*reference);
   const double limit_s = std::max(kShortestGap_s, kGapIntervals * sensor.median_interval_s);
   sensor.gaps = static_cast<std::uint64_t>(
       std::count_if(intervals_s.begin(), intervals_s.end(), [&](double i) { return i > limit_s; }));
@@ -179,7 +195,7 @@ class Collector {
 
   void finish() {
     for (auto& [key, statistics] : sensors_) {
-      statistics.finish();
+      statistics.finish(reference_);
       const SensorInspection& s = statistics.sensor;
       if (s.first && (!inspection_.first || *s.first < *inspection_.first))
         inspection_.first = s.first;

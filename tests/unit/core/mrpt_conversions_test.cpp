@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <mrpt/core/Clock.h>
+#include <mrpt/core/exceptions.h>
 
 #include <numbers>
 
@@ -73,6 +74,15 @@ TEST(MrptConversions, CovarianceLookingStraightUpIsFinite) {
       for (int c = 0; c < 6; ++c) EXPECT_TRUE(std::isfinite(cov(r, c)));
     EXPECT_TRUE(covarianceFromMrpt(T, cov).allFinite());
   }
+}
+
+TEST(MrptReason, IsOneLine) {
+  try {
+    THROW_EXCEPTION("the yaw is missing");
+  } catch (const std::exception& e) {
+    EXPECT_EQ(mrptReason(e), "the yaw is missing");
+  }
+  EXPECT_EQ(mrptReason(std::runtime_error("short\nlong")), "short");
 }
 
 }  // namespace

@@ -127,6 +127,44 @@ TEST_F(Check, AnotherClockIsFound) {
   EXPECT_NE(finding(inspection, "clock of its own").fix.find("-1000.01"), std::string::npos);
 }
 
+TEST_F(Check, AnotherClockIsMeasuredInASortedLogToo) {
+  for (const double offset_s : {1000.0, -1000.0}) {
+    {
+      RawlogWriter out(log);
+      const auto images = [&] {
+        for (int i = 0; i < 50; ++i) out.write(imageObservation(0.4 * i + offset_s));
+      };
+      if (offset_s < 0) images();
+      for (int i = 0; i < 200; ++i) out.write(cloudObservation(0.1 * i, 10));
+      if (offset_s > 0) images();
+    }
+    const auto inspection = inspect();
+    EXPECT_TRUE(sensor(inspection, "camera").other_clock);
+    EXPECT_NEAR(sensor(inspection, "camera").clock_offset_s, offset_s, 1e-3);
+  }
+}
+
+TEST_F(Check, ASensorThatStartsEarlierHasNoOtherClock) {
+  {
+    RawlogWriter out(log);
+    for (int i = 0; i < 600; ++i) {
+      if (i >= 100 && i < 200) out.write(cloudObservation(0.1 * i, 10));
+      out.write(poseObservation(0.1 * i));
+    }
+  }
+  EXPECT_FALSE(sensor(inspect(), "odom3d").other_clock);
+}
+
+TEST_F(Check, AWrongLabelIsAnErrorWithAWayOut) {
+  writeLog(log, {});
+  InspectionParams params;
+  params.sensors.lidar.label = "velo";
+  bool found = false;
+  for (const Finding& f : inspectRawlog(log, params).findings)
+    found |= f.what.find("'velo'") != std::string::npos && f.fix.find("name ") == 0;
+  EXPECT_TRUE(found);
+}
+
 TEST_F(Check, CalibrationAndMountingAreMissed) {
   {
     RawlogWriter out(log);

@@ -11,6 +11,9 @@
 #include <mrpt/poses/CPose3DPDFGaussian.h>
 #include <mrpt/poses/CPose3DPDFGaussianInf.h>
 
+#include <exception>
+#include <string>
+
 #include "dynemo/core/se3.h"
 #include "dynemo/core/time.h"
 
@@ -26,6 +29,9 @@ Stamp fromMrpt(mrpt::Clock::time_point time);
 /// |pitch| = 90° the angles are singular; the pitch is then moved off by 1e-6 rad.
 mrpt::math::CMatrixDouble66 covarianceToMrpt(const Pose3& T, const Matrix6& tangent_cov);
 Matrix6 covarianceFromMrpt(const Pose3& T, const mrpt::math::CMatrixDouble66& ypr_cov);
+
+/// Why MRPT threw, in one line: its messages have a heading above and a stack of calls below.
+std::string mrptReason(const std::exception& error);
 
 mrpt::poses::CPose3DPDFGaussian toMrptGaussian(const Pose3& T, const Matrix6& tangent_cov);
 
