@@ -54,6 +54,26 @@ TEST_F(Viewer, ListsWhatIsLeftOfATrimmedAndRelabelledLog) {
               {"25 .*CObservationPointCloud", "25 .*CObservationImage", "25 front"});
 }
 
+TEST_F(Viewer, ListsWhatIsLeftOfADecimatedLogWithOtherMountings) {
+  make({"decimate", sample.rawlog().string(), "--label", "lidar", "--keep-every", "2", "-o",
+        path("thin.rawlog")});
+  make({"set-extrinsics", path("thin.rawlog"), "--sensor", "camera=0.2,0,0.45,-90,0,-90", "-o",
+        path("placed.rawlog")});
+  writeBytes(path("camera.yaml"), readBytes(DYNEMO_SOURCE_DIR "/tests/guides/camera.yaml"));
+  make({"set-calibration", path("placed.rawlog"), "--label", "camera", "--file",
+        path("camera.yaml"), "-o", path("calibrated.rawlog")});
+  make({"externalize-images", path("calibrated.rawlog"), "-o", path("outside.rawlog")});
+  expectShown(path("outside.rawlog"), {"66 .*CObservationPointCloud", "131 .*CObservationImage",
+                                       "521 .*CObservationRobotPose"});
+}
+
+TEST_F(Viewer, ListsPartsOfASplitLogThatWereJoined) {
+  make({"split", sample.rawlog().string(), "--every", "20", "-o", path("part.rawlog")});
+  make({"merge", path("part_01.rawlog"), path("part_02.rawlog"), "-o", path("joined.rawlog")});
+  expectShown(path("joined.rawlog"),
+              {"10[08] .*CObservationPointCloud", "10[08] .*CObservationImage"});  // OCR
+}
+
 TEST_F(Viewer, ListsTheCloudsOfAnImportedBag) {
   const char* data = std::getenv("DYNEMO_REAL_DATA");
   if (data == nullptr || *data == '\0') GTEST_SKIP() << "DYNEMO_REAL_DATA is not set";

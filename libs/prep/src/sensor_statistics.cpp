@@ -148,7 +148,10 @@ double Statistics::clockOffset(const Statistics& reference) const {
   // begun together.
   if (disjoint && (offsets_s.empty() || *high - *low > kOtherClock_s))
     return secondsBetween(*reference.sensor.first, *sensor.first);
-  return median(offsets_s);
+  // Where the reference is silent the other goes on: only a clock of its own is never close.
+  const double closest_s = offsets_s.empty() ? 0.0 : std::min(std::abs(*low), std::abs(*high));
+  const bool crosses = !offsets_s.empty() && *low <= 0.0 && *high >= 0.0;
+  return crosses || closest_s < kOtherClock_s ? 0.0 : median(offsets_s);
 }
 
 void Statistics::finish(const Statistics* reference) {
