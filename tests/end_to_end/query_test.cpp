@@ -109,20 +109,26 @@ TEST(QueryTruth, BundledSample) {
   expectPlacesRight(judged);
 }
 
-class QuerySample : public testing::TestWithParam<const char*> {};
+/// A sample, and where its odometry comes from.
+class QuerySample : public testing::TestWithParam<std::tuple<const char*, const char*>> {};
 
 TEST_P(QuerySample, AgainstTruth) {
-  const auto dataset = sample(GetParam());
+  const auto [name, odometry] = GetParam();
+  const auto dataset = sample(name);
   if (!dataset) GTEST_SKIP() << "DYNEMO_SAMPLES is not set";
-  const SlamRun run(*dataset);
+  const SlamRun run(*dataset, {"--set", std::string("odometry.source=") + odometry});
   ASSERT_TRUE(run.ok()) << describe(run.outcome());
   const Judged judged(run, *dataset);
   expectMovesRight(judged, *dataset);
   expectPlacesRight(judged);
 }
 
-INSTANTIATE_TEST_SUITE_P(Samples, QuerySample, testing::Values("mini_samo", "mini_mamo"),
-                         [](const auto& param_info) { return std::string(param_info.param); });
+INSTANTIATE_TEST_SUITE_P(Samples, QuerySample,
+                         testing::Combine(testing::Values("mini_samo", "mini_mamo"),
+                                          testing::Values("rawlog", "lidar")),
+                         [](const auto& p) {
+                           return std::string(std::get<0>(p.param)) + "_" + std::get<1>(p.param);
+                         });
 
 TEST(Query, MovesAreAskedByTime) {
   const fs::path run = bundledRun("full").folder();
