@@ -97,6 +97,15 @@ TEST(Export, TheWebPageWorksInChromium) {
                   exported(folder, "html", "scene.html", {"--set", "picture.max_points=20000"})});
 }
 
+TEST(Export, SceneViewerShowsTheScene) {
+  for (const char* program : {"SceneViewer3D", "Xvfb", "xdotool", "import"})
+    if (!has(program)) GTEST_SKIP() << program << " is not installed";
+  const TemporaryFolder folder;
+  const Outcome colors = runCommand({DYNEMO_SOURCE_DIR "/tests/end_to_end/scene_viewer_colors.sh",
+                                     exported(folder, "3dscene", "scene.3Dscene")});
+  EXPECT_EQ(colors.status, 0) << describe(colors);
+}
+
 TEST(Export, CloudsShowEntitiesWhereTheyAreAtTheTime) {
   const TemporaryFolder folder;
   const std::string end = readBytes(exported(folder, "ply", "end.ply"));

@@ -185,6 +185,44 @@ TEST(Query, TwoSessionsDifferByWhatWasMovedBetween) {
   EXPECT_EQ(moved, expected) << difference.dump(1);
 }
 
+/// Two recordings of a room, each with a map of its own: what was carried, came and went.
+TEST(Query, TwoRecordingsDifferByWhatWasCarried) {
+  const TemporaryFolder folder;
+  const auto map = [&](const std::string& day) {
+    const fs::path world =
+        fs::path(DYNEMO_SOURCE_DIR) / "tests" / "data" / "two_sessions" / (day + ".yaml");
+    const Outcome made =
+        runCommand({DYNEMO_SIMULATE, "--world", world, "--output", folder / day, "--quiet"});
+    EXPECT_EQ(made.status, 0) << describe(made);
+    const fs::path data = folder / day / day;
+    const Outcome run =
+        slam({"--entities", data.string() + "_entities.yaml", "--output", folder / ("map_" + day),
+              "--set", "outputs=[session]", "-q", data.string() + ".rawlog"});
+    EXPECT_EQ(run.status, 0) << describe(run);
+    return folder / ("map_" + day);
+  };
+  const auto difference = answer({"diff", map("monday"), map("tuesday")});
+  const std::map<int, std::string> expected = {{1, "moved"},     {2, "unchanged"},
+                                               {3, "moved"},     {4, "disappeared"},
+                                               {5, "unchanged"}, {6, "appeared"}};
+  const std::map<int, double> distance_m = {{1, std::hypot(8.3 - 2.2, 0.8 - 0.7)},
+                                            {2, 0.0},
+                                            {3, std::hypot(2.3 - 0.7, 0.5 - 3.3)},
+                                            {5, 0.0}};
+  std::map<int, std::string> changes;
+  for (const auto& object : difference.at("objects")) {
+    const int id = object.at("entity").get<int>();
+    changes[id] = object.at("change").get<std::string>();
+    if (distance_m.contains(id)) {
+      const double moved_m =
+          (position(object.at("T_mapB_entityB")) - position(object.at("T_mapB_entityA"))).norm();
+      EXPECT_NEAR(moved_m, distance_m.at(id), kMaxError_m) << id;
+    }
+    EXPECT_GT(object.at("certainty").get<double>(), 0.9) << id;
+  }
+  EXPECT_EQ(changes, expected) << difference.dump(1);
+}
+
 TEST(Query, TablesAreForPeople) {
   const fs::path run = bundledRun("full").folder();
   EXPECT_NE(ask({run, "moved"}).out.find("box 1"), std::string::npos);
