@@ -10,8 +10,35 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/share/doc/ DESTINATION ${CMAKE_INSTALL_D
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME dynemo-slam)
 set(CPACK_PACKAGE_VENDOR "DYNEMO-SLAM")
-set(CPACK_PACKAGE_CONTACT "The DYNEMO-SLAM developers <dynemo-slam@localhost>")
+# Who builds packages for others names himself as Debian's own tools ask for.
+if(DEFINED ENV{DEBEMAIL})
+  set(maintainer "$ENV{DEBFULLNAME}")
+  if(maintainer STREQUAL "")
+    set(maintainer "DYNEMO-SLAM maintainers")
+  endif()
+  set(CPACK_PACKAGE_CONTACT "${maintainer} <$ENV{DEBEMAIL}>")
+else()
+  set(CPACK_PACKAGE_CONTACT "DYNEMO-SLAM maintainers <dynemo-slam@localhost>")
+endif()
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+# Debian wants a changelog in each package; what changed is in the history of this repository.
+execute_process(COMMAND git log -1 --format=%cD WORKING_DIRECTORY ${PROJECT_SOURCE_DIR}
+  OUTPUT_VARIABLE release_date OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
+if(NOT release_date)
+  set(release_date "Thu, 01 Jan 1970 00:00:00 +0000")
+endif()
+set(changelog ${CMAKE_BINARY_DIR}/share/changelog.Debian)
+file(CONFIGURE OUTPUT ${changelog} CONTENT "dynemo-slam (@PROJECT_VERSION@-1) unstable; urgency=medium
+
+  * Release @PROJECT_VERSION@.
+
+ -- @CPACK_PACKAGE_CONTACT@  @release_date@
+" @ONLY)
+if(GZIP)
+  execute_process(COMMAND ${GZIP} -9nf ${changelog} COMMAND_ERROR_IS_FATAL ANY)
+  install(FILES ${changelog}.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/dynemo-slam COMPONENT programs)
+  install(FILES ${changelog}.gz DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libdynemo-dev COMPONENT development)
+endif()
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY ${CMAKE_BINARY_DIR}/packages)
 set(CPACK_STRIP_FILES ON)
@@ -23,7 +50,8 @@ set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_NAME dynemo-slam)
 set(CPACK_DEBIAN_PROGRAMS_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS "mrpt-apps, gnuplot-nox")
+# Pictures are rendered by Mesa, which is loaded when it is needed.
+set(CPACK_DEBIAN_PROGRAMS_PACKAGE_RECOMMENDS "libegl-mesa0, libgl1-mesa-dri, gnuplot-nox, mrpt-apps")
 set(CPACK_COMPONENT_PROGRAMS_DESCRIPTION
   "Simultaneous localisation and mapping from MRPT rawlogs of LiDAR, camera and\nodometry in places with moving agents and objects, as a dynamic 3D scene graph.")
 

@@ -11,8 +11,13 @@ if [[ -n ${2:-} ]]; then
   root=$(realpath -m "$2")
 else
   root=$(mktemp -d)
-  trap 'rm -rf --one-file-system "$root"' EXIT
+  temporary=1
 fi
+cleanUp() {
+  umount "$root/proc" 2>/dev/null || true
+  [[ -z ${temporary:-} ]] || rm -rf --one-file-system "$root"
+}
+trap cleanUp EXIT
 
 step() { echo "== $*"; }
 fail() {

@@ -25,7 +25,7 @@ expect() {
 }
 compopt() { :; } # only inside of a real completion
 
-for program in "$2"/*; do
+for program in "$2"/dynemo-*; do
   # shellcheck source=/dev/null
   source "$program"
   complete -p "$(basename "$program")" >/dev/null
