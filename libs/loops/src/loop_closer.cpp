@@ -5,16 +5,9 @@
 #include <cstdio>
 
 #include "dynemo/loops/verification.h"
-#include "dynemo/matching/assess_match.h"
 #include "dynemo/matching/matcher_chain.h"
 
 namespace dynemo {
-namespace {
-
-/// A few hundred kilobytes each.
-constexpr std::size_t kCachedScans = 100;
-
-}  // namespace
 
 LoopCloser::LoopCloser(const LoopParams& params)
     : LoopCloser(params, makeScanMatcher(params.matching)) {}
@@ -22,11 +15,9 @@ LoopCloser::LoopCloser(const LoopParams& params)
 LoopCloser::LoopCloser(const LoopParams& params, std::unique_ptr<ScanMatcher> matcher)
     : params_(params),
       search_(params.candidates, params.entities),
-      prefilter_(entityPrefilters().make(params.prefilter.method, params.prefilter)),
-      matcher_(std::move(matcher)),
+      matcher_(params, std::move(matcher)),
       closures_({params.verification.probability, params.verification.drift_scale,
-                 params.verification.max_chain_sigma_m}),
-      scans_(params.matching.scan, kCachedScans) {}
+                 params.verification.max_chain_sigma_m}) {}
 
 LoopCloser::~LoopCloser() = default;
 
@@ -121,15 +112,6 @@ bool isSame(const Pose3& T_a, const Pose3& T_b) {
   return d.head<3>().norm() < kSame_m && d.tail<3>().norm() < kSame_rad;
 }
 
-MatchRequest requestFor(const PoseEstimate& seed, double sigma_factor) {
-  MatchRequest request;
-  request.T_target_source_guess = seed.T;
-  request.translation_sigma_m = sigma_factor * largestTranslationSigma(seed.covariance);
-  request.rotation_sigma_rad =
-      sigma_factor * std::sqrt(seed.covariance.diagonal().tail<3>().maxCoeff());
-  return request;
-}
-
 }  // namespace
 
 LoopCloser::Attempt LoopCloser::attempt(const CSceneGraph& graph, const LoopPair& pair) {
@@ -163,23 +145,17 @@ LoopCloser::Attempt LoopCloser::matchFrom(const CSceneGraph& graph, const LoopPa
   record.seed_origin = origin;
   record.scan_points_earlier = pair.earlier->scan->cloud.size();
   record.scan_points_later = pair.later->scan->cloud.size();
-  record.filtered = prefilter_->filter(graph, pair, seed);
 
-  const MatchScan target =
-      scans_.get(*pair.earlier).without(*pair.earlier->scan, record.filtered.removed_earlier);
-  const MatchScan source =
-      scans_.get(*pair.later).without(*pair.later->scan, record.filtered.removed_later);
-  const auto at_seed = assessMatch(target, source, seed.T, 0, params_.matching.assessment);
-  if (at_seed) record.seed_inlier_ratio = at_seed->inlier_ratio;
-  const auto match =
-      matcher_->match(target, source, requestFor(seed, params_.verification.drift_scale));
-  if (!match) {
-    record.reason = "no match: " + toString(match.error());
+  const EntityAwareMatch matched = matcher_.match(graph, pair, seed);
+  record.filtered = matched.filtered;
+  record.seed_inlier_ratio = matched.seed_inlier_ratio;
+  if (!matched.match) {
+    record.reason = "no match: " + toString(matched.match.error());
     return attempt;
   }
-  record.match = *match;
-  attempt.fit = match->fit();
-  attempt.range_m = source.meanRange_m();
+  record.match = *matched.match;
+  attempt.fit = matched.match->fit();
+  attempt.range_m = matched.range_m;
   return attempt;
 }
 

@@ -12,9 +12,8 @@
 #include "dynemo/graph/scene_graph.h"
 #include "dynemo/loops/candidate_search.h"
 #include "dynemo/loops/closure_set.h"
-#include "dynemo/loops/entity_prefilter.h"
+#include "dynemo/loops/entity_aware_matcher.h"
 #include "dynemo/loops/loop_record.h"
-#include "dynemo/loops/match_scan_cache.h"
 #include "dynemo/matching/scan_matcher.h"
 
 namespace dynemo {
@@ -82,12 +81,10 @@ class LoopCloser {
 
   LoopParams params_;
   CandidateSearch search_;
-  std::unique_ptr<EntityPrefilter> prefilter_;
-  std::unique_ptr<ScanMatcher> matcher_;
+  EntityAwareMatcher matcher_;
   OdometryChain chain_;
   ClosureSet closures_;
   std::vector<Entry> entries_;  ///< of closures_, by index
-  MatchScanCache scans_;
   std::vector<LoopRecord> records_;
   std::map<std::string, std::uint64_t> warnings_;
 };
