@@ -1,6 +1,5 @@
 #include "pcl_gicp.h"
 
-#include <pcl/console/print.h>
 #include <pcl/registration/gicp.h>
 
 #include "dynemo/matching/assess_match.h"
@@ -29,9 +28,7 @@ class PclGicp final : public ScanMatcher {
   explicit PclGicp(const MatchingParams& params)
       : params_(params.pcl_gicp),
         assessment_(params.assessment),
-        min_points_(static_cast<std::size_t>(params.min_points)) {
-    pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
-  }
+        min_points_(static_cast<std::size_t>(params.min_points)) {}
 
   Expected<ScanMatch, MatchFailure> match(const MatchScan& target, const MatchScan& source,
                                           const MatchRequest& request) const override;
@@ -55,14 +52,9 @@ Expected<ScanMatch, MatchFailure> PclGicp::match(const MatchScan& target, const 
   gicp.setTargetCovariances(covariances(target.surface()));
   gicp.setInputSource(toPcl(source.surface()));
   gicp.setSourceCovariances(covariances(source.surface()));
-  pcl::PointCloud<pcl::PointXYZ> aligned;
-  try {
-    gicp.align(aligned, toPcl(request.T_target_source_guess));
-  } catch (const std::exception&) {
-    return make_unexpected(MatchFailure::kNotConverged);
-  }
-  if (!gicp.hasConverged()) return make_unexpected(MatchFailure::kNotConverged);
-  return assessMatch(target, source, fromPcl(gicp.getFinalTransformation()), 0, assessment_);
+  const auto T_target_source = align(gicp, request.T_target_source_guess);
+  if (!T_target_source) return make_unexpected(T_target_source.error());
+  return assessMatch(target, source, *T_target_source, 0, assessment_);
 }
 
 }  // namespace

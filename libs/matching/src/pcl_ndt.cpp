@@ -1,6 +1,5 @@
 #include "pcl_ndt.h"
 
-#include <pcl/console/print.h>
 #include <pcl/registration/ndt.h>
 
 #include "dynemo/matching/assess_match.h"
@@ -16,9 +15,7 @@ class PclNdt final : public ScanMatcher {
   explicit PclNdt(const MatchingParams& params)
       : params_(params.pcl_ndt),
         assessment_(params.assessment),
-        min_points_(static_cast<std::size_t>(params.min_points)) {
-    pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
-  }
+        min_points_(static_cast<std::size_t>(params.min_points)) {}
 
   Expected<ScanMatch, MatchFailure> match(const MatchScan& target, const MatchScan& source,
                                           const MatchRequest& request) const override;
@@ -42,15 +39,9 @@ Expected<ScanMatch, MatchFailure> PclNdt::match(const MatchScan& target, const M
   ndt.setOulierRatio(params_.outlier_ratio);
   ndt.setTransformationEpsilon(params_.tolerance);
   ndt.setMaximumIterations(params_.max_iterations);
-  pcl::PointCloud<pcl::PointXYZ> aligned;
-  try {
-    ndt.align(aligned, toPcl(request.T_target_source_guess));
-  } catch (const std::exception&) {
-    return make_unexpected(MatchFailure::kNotConverged);
-  }
-  if (!ndt.hasConverged()) return make_unexpected(MatchFailure::kNotConverged);
-  return assessMatch(target, source, fromPcl(ndt.getFinalTransformation()),
-                     ndt.getFinalNumIteration(), assessment_);
+  const auto T_target_source = align(ndt, request.T_target_source_guess);
+  if (!T_target_source) return make_unexpected(T_target_source.error());
+  return assessMatch(target, source, *T_target_source, ndt.getFinalNumIteration(), assessment_);
 }
 
 }  // namespace
