@@ -53,10 +53,16 @@ void insertSweep(const MappedSweep& sweep, VoxelHashMap& map) {
   const SurfacePoints& surface = sweep.surface;
   const PointCarrier carrier(sweep.motion);
   const Eigen::Matrix3f R = sweep.T_odom_middle.R.cast<float>();
+  map.beginSweep();
   for (std::size_t i = 0; i < surface.size(); ++i) {
     Eigen::Vector3f p = surface.points[i];
     if (surface.timed()) p = carrier.toReference(surface.time_s[i], p);
-    map.insert((sweep.T_odom_middle * p.cast<double>()).cast<float>(), R * surface.normals[i]);
+    const Eigen::Vector3f p_odom = (sweep.T_odom_middle * p.cast<double>()).cast<float>();
+    if (i < surface.onSurfaces())
+      map.insert(p_odom, R * surface.normals[i]);
+    else
+      map.insertFromLine(p_odom, R * surface.normals[i],
+                         surface.line_elevation_rad[i - surface.onSurfaces()]);
   }
 }
 

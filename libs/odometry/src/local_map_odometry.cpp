@@ -231,6 +231,7 @@ RegistrationPrior LocalMapOdometry::priorOf(const Predicted& predicted) const {
       usual(agitation_.linear_m_s2(), params_.prediction.sigma_acceleration_m_s2);
   prior.sigma_angular_acceleration_rad_s2 =
       usual(agitation_.angular_rad_s2(), params_.prediction.sigma_angular_acceleration_rad_s2);
+  prior.sigma_vertical_m_s = params_.prediction.sigma_vertical_m_s;
   prior.sigma_linear_m_s = prior.sigma_acceleration_m_s2 * dt_s;
   prior.sigma_angular_rad_s = prior.sigma_angular_acceleration_rad_s2 * dt_s;
   prior.correspondence_m = std::min(params_.max_correspondence_m, 3.0 * threshold_.sigma_m());

@@ -2,6 +2,8 @@
 
 namespace dynemo {
 
+LocalMapParams::LocalMapParams() { surface.scan_lines = true; }
+
 KeyframeGicpParams::KeyframeGicpParams() {
   surface.leaf_m = 0.1;
   surface.max_flatness = 1.0;
@@ -27,6 +29,10 @@ void fields(FieldVisitor& v, PredictionParams& p) {
            "accelerations: a robot that "
            "moves calmly is given less",
            {0.0, 1.0, true});
+  v.number(
+      "sigma_vertical_m_s", p.sigma_vertical_m_s,
+      "Standard deviation of the vertical speed, which counts where scans do not show the height",
+      Range::positive());
   v.number("odometry_sigma_translation_m", p.odometry_sigma_translation_m,
            "Standard deviation of the log's odometry from one scan to the next", Range::positive());
   v.number("odometry_sigma_rotation_rad", p.odometry_sigma_rotation_rad,

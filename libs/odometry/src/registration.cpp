@@ -132,6 +132,9 @@ void Solver::linearizeBlock(const Iterate& at, const Strictness& strictness, std
   const Eigen::Matrix3f R = at.T_target_base.R.cast<float>();
   const CorrespondenceGate gate{static_cast<float>(strictness.correspondence_m),
                                 static_cast<float>(params_.min_normal_cosine), prior_.wide};
+  // A line does not tell how its surface faces, but it has been seen.
+  CorrespondenceGate line_gate = gate;
+  line_gate.min_normal_cosine = 0.0F;
   Correspondence match;
   WeightedResidual r{};
   for (std::size_t i = begin; i < end; ++i) {
@@ -143,11 +146,15 @@ void Solver::linearizeBlock(const Iterate& at, const Strictness& strictness, std
     r.s = at.T_target_base.R * p_base.cast<double>();
     const Vector3 p_target = r.s + at.T_target_base.t;
     const Eigen::Vector3f normal = R * scan_.normals[i];
-    if (!target_.nearest(p_target.cast<float>(), normal, gate, match)) continue;
+    const bool on_surface = i < scan_.onSurfaces();
+    if (!target_.nearest(p_target.cast<float>(), normal, on_surface ? gate : line_gate, match))
+      continue;
     r.e = match.point.cast<double>() - p_target;
-    ++sums.matched;
-    if (weigh(match, normal, strictness.kernel_m, r)) ++sums.inliers;
+    const bool inlier = weigh(match, on_surface ? normal : match.normal, strictness.kernel_m, r);
     sums.add(r);
+    if (!on_surface) continue;
+    ++sums.matched;
+    if (inlier) ++sums.inliers;
   }
 }
 
@@ -204,6 +211,14 @@ void Solver::addMotionPrior(const Iterate& at, System& system) const {
     system.pull.segment<6>(offset) += weighted * (world * (expected.vector() - now.vector()));
   };
   add(6, prior_.motion.twist, at.motion.twist, prior_.sigma_linear_m_s, prior_.sigma_angular_rad_s);
+  // Whatever carries the sensor does not rise or sink for long; without this, a height that nothing
+  // shows runs away with the noise of its speed.
+  const double vertical_information = std::pow(prior_.sigma_vertical_m_s, -2);
+  const Eigen::Matrix<double, 1, 6> J_vertical = system.S.row(2);
+  const double speed = (world * at.motion.twist.vector())[2];
+  system.information.block<6, 6>(6, 6) +=
+      vertical_information * J_vertical.transpose() * J_vertical;
+  system.pull.segment<6>(6) -= vertical_information * speed * J_vertical.transpose();
   add(12, prior_.motion.acceleration, at.motion.acceleration, prior_.sigma_acceleration_m_s2,
       prior_.sigma_angular_acceleration_rad_s2);
 }
@@ -258,7 +273,7 @@ Registration Solver::result(const Iterate& at, const System& system, const Norma
     found.covariance.rightCols<12>().setZero();
   }
   OdometryDiagnostics& diagnostics = found.diagnostics;
-  const auto points = static_cast<double>(scan_.size());
+  const auto points = static_cast<double>(scan_.onSurfaces());
   diagnostics.points = scan_.size();
   diagnostics.overlap = static_cast<double>(sums.matched) / points;
   diagnostics.inlier_ratio = static_cast<double>(sums.inliers) / points;

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "dynemo/odometry/cell_index.h"
@@ -12,6 +13,10 @@ namespace {
 
 /// A plane through fewer points says nothing about how flat they lie.
 constexpr std::size_t kMinNeighbors = 5;
+/// Two points always lie on a line.
+constexpr std::size_t kMinOnLine = 3;
+/// Of one ring, in elevation [about rad].
+constexpr float kRingHeight = 0.01F;
 /// Means within two leaves of one, all directions.
 constexpr std::size_t kMaxNeighborhood = 125;
 constexpr std::size_t kBlock = 256;
@@ -173,19 +178,64 @@ float viewSpread(const std::vector<Eigen::Vector3f>& points, std::span<const std
   return mean + half_gap > 0.0F ? (mean - half_gap) / (mean + half_gap) : 0.0F;
 }
 
-/// Keeps the entries that have a normal, in order.
-void keepFitted(SurfacePoints& surface) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    if (surface.normals[i].squaredNorm() < 0.5F) continue;
-    surface.points[kept] = surface.points[i];
-    surface.normals[kept] = surface.normals[i];
-    if (surface.timed()) surface.time_s[kept] = surface.time_s[i];
-    ++kept;
+/// Whether the sensor sees all at one elevation: a line across rings, as far down a corridor, is
+/// what the sensor's columns draw, whatever it lies on.
+bool onOneRing(const std::vector<Eigen::Vector3f>& points, std::span<const std::uint32_t> members,
+               const Pose3& T_base_lidar) {
+  const Eigen::Vector3f sensor = T_base_lidar.t.cast<float>();
+  const Eigen::Vector3f up = T_base_lidar.R.col(2).cast<float>();
+  float lowest = 1.0F, highest = -1.0F;
+  for (const std::uint32_t i : members) {
+    const float elevation = (points[i] - sensor).normalized().dot(up);
+    lowest = std::min(lowest, elevation);
+    highest = std::max(highest, elevation);
   }
-  surface.points.resize(kept);
-  surface.normals.resize(kept);
-  if (surface.timed()) surface.time_s.resize(kept);
+  return highest - lowest < kRingHeight;
+}
+
+enum class Kind : std::uint8_t { kLeftOut, kSurface, kLine };
+
+/// What each mean is part of; `still` are the means at one instant. Gives normals to those on
+/// surfaces, and to those on lines the direction to the sensor.
+std::vector<Kind> classify(const Reduced& reduced, const std::vector<Eigen::Vector3f>& still,
+                           const Scan& scan, const SurfaceParams& params, SurfacePoints& means,
+                           WorkerPool& pool) {
+  const Eigen::Vector3f sensor = scan.T_base_lidar.t.cast<float>();
+  std::vector<Kind> kinds(still.size(), Kind::kLeftOut);
+  const auto min_spread = static_cast<float>(params.min_view_spread);
+  pool.blocks(still.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
+    Neighborhood neighborhood(reduced, still, static_cast<float>(params.normal_radius_m));
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto members = neighborhood.nearest(static_cast<std::uint32_t>(i),
+                                                static_cast<std::size_t>(params.normal_neighbors));
+      if (members.size() < kMinOnLine) continue;
+      const Eigen::Vector3f to_sensor = sensor - still[i];
+      if (viewSpread(still, members, sensor) < min_spread) {
+        means.normals[i] = to_sensor.normalized();
+        if (onOneRing(means.points, members, scan.T_base_lidar)) kinds[i] = Kind::kLine;
+        continue;
+      }
+      if (members.size() < kMinNeighbors) continue;
+      const auto normal = fitNormal(still, members, static_cast<float>(params.max_flatness));
+      if (!normal) continue;
+      means.normals[i] = normal->dot(to_sensor) < 0.0F ? Eigen::Vector3f(-*normal) : *normal;
+      kinds[i] = Kind::kSurface;
+    }
+  });
+  return kinds;
+}
+
+/// Appends the points of one kind, in order, and returns their number.
+std::size_t append(const SurfacePoints& all, const std::vector<Kind>& kinds, Kind kind,
+                   SurfacePoints& kept) {
+  const std::size_t before = kept.size();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (kinds[i] != kind) continue;
+    kept.points.push_back(all.points[i]);
+    kept.normals.push_back(all.normals[i]);
+    if (all.timed()) kept.time_s.push_back(all.time_s[i]);
+  }
+  return kept.size() - before;
 }
 
 std::vector<Eigen::Vector3f> atReference(const SurfacePoints& means, const SweepMotion& motion) {
@@ -223,31 +273,28 @@ void fields(FieldVisitor& v, SurfaceParams& p) {
            "below it they all "
            "belong to one scan line and the point is left out",
            Range::between(0.0, 1.0));
+  v.flag("scan_lines", p.scan_lines,
+         "Keep points of single scan lines, as sensors of few rings have them on the floor: they "
+         "are registered to surfaces that the lines of several sweeps have shown");
 }
 
 SurfacePoints extractSurface(const Scan& scan, std::span<const float> times_s, double reference_s,
                              const SweepMotion& motion, std::span<const std::uint32_t> ignored,
                              const SurfaceParams& params, WorkerPool& pool) {
   const Reduced reduced = reduce(scan, times_s, static_cast<float>(reference_s), ignored, params);
-  SurfacePoints surface = meansOf(reduced.leaves, !times_s.empty());
-  surface.normals.assign(surface.size(), Eigen::Vector3f::Zero());
-  const std::vector<Eigen::Vector3f> still = atReference(surface, motion);
-  const auto min_spread = static_cast<float>(params.min_view_spread);
-  const Eigen::Vector3f sensor = scan.T_base_lidar.t.cast<float>();
-  pool.blocks(surface.size(), kBlock, [&](std::size_t, std::size_t begin, std::size_t end) {
-    Neighborhood neighborhood(reduced, still, static_cast<float>(params.normal_radius_m));
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto members = neighborhood.nearest(static_cast<std::uint32_t>(i),
-                                                static_cast<std::size_t>(params.normal_neighbors));
-      if (members.size() < kMinNeighbors || viewSpread(still, members, sensor) < min_spread)
-        continue;
-      const auto normal = fitNormal(still, members, static_cast<float>(params.max_flatness));
-      if (normal)
-        surface.normals[i] =
-            normal->dot(still[i] - sensor) > 0.0F ? Eigen::Vector3f(-*normal) : *normal;
-    }
-  });
-  keepFitted(surface);
+  SurfacePoints means = meansOf(reduced.leaves, !times_s.empty());
+  means.normals.assign(means.size(), Eigen::Vector3f::Zero());
+  const std::vector<Kind> kinds =
+      classify(reduced, atReference(means, motion), scan, params, means, pool);
+  SurfacePoints surface;
+  append(means, kinds, Kind::kSurface, surface);
+  if (!params.scan_lines) return surface;
+  surface.on_lines = append(means, kinds, Kind::kLine, surface);
+  const Eigen::Matrix3f R_lidar_base = scan.T_base_lidar.R.transpose().cast<float>();
+  for (std::size_t i = surface.onSurfaces(); i < surface.size(); ++i) {
+    const float up = (R_lidar_base * surface.normals[i]).z();
+    surface.line_elevation_rad.push_back(-std::asin(std::clamp(up, -1.0F, 1.0F)));
+  }
   return surface;
 }
 

@@ -70,6 +70,12 @@ void VoxelHashMap::insert(const Eigen::Vector3f& point, const Eigen::Vector3f& n
   }
 }
 
+void VoxelHashMap::insertFromLine(const Eigen::Vector3f& point, const Eigen::Vector3f& to_sensor,
+                                  float elevation_rad) {
+  const auto normal = lines_.add(point, elevation_rad);
+  if (normal) insert(point, normal->dot(to_sensor) < 0.0F ? Eigen::Vector3f(-*normal) : *normal);
+}
+
 void VoxelHashMap::searchCell(std::uint32_t cell, const Eigen::Vector3f& p,
                               const Eigen::Vector3f& normal, float min_cosine, Best& best) const {
   const std::size_t n = padded_capacity_;
@@ -147,6 +153,7 @@ void VoxelHashMap::removeFartherThan(const Eigen::Vector3f& center, double radiu
   counts_.resize(kept);
   data_.resize(kept * stride());
   index_ = std::move(index);
+  lines_.removeFartherThan(center, radius_m);
 }
 
 void VoxelHashMap::clear() {
@@ -154,6 +161,7 @@ void VoxelHashMap::clear() {
   coordinates_.clear();
   counts_.clear();
   data_.clear();
+  lines_.clear();
 }
 
 std::size_t VoxelHashMap::points() const {

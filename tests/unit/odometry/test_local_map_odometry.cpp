@@ -67,6 +67,17 @@ TEST(LocalMapOdometry, SmoothMotionWithDistortion) {
   EXPECT_TRUE(driven.estimates.front().T_odom_base.t.isZero());
 }
 
+/// Rings 2° apart within ±15° see the floor as single lines only, which lie close together over
+/// many sweeps.
+TEST(LocalMapOdometry, SixteenRingsHoldTheHeight) {
+  LidarModel lidar;
+  lidar.rows = 16;
+  lidar.vertical_fov_rad = 0.524;
+  const Drive driven = drive(test::furnishedRoom(), lidar, test::handHeldWalk(), 12.0, 10.0);
+  EXPECT_EQ(driven.lost, 0);
+  EXPECT_LT(driven.ate_m(), 0.1);
+}
+
 TEST(LocalMapOdometry, ScansOfOneInstantAtALowRate) {
   LidarModel lidar;
   lidar.rows = 32;

@@ -20,6 +20,7 @@ struct PredictionParams {
   double sigma_acceleration_m_s2 = 5.0;
   double sigma_angular_acceleration_rad_s2 = 10.0;
   double calm_share = 0.05;
+  double sigma_vertical_m_s = 0.5;
   double odometry_sigma_translation_m = 0.02;
   double odometry_sigma_rotation_rad = 0.01;
   double max_gap_s = 1.0;
@@ -39,6 +40,8 @@ struct LocalMapParams {
   int max_lost_scans = 5;
   std::optional<double> map_radius_m = 150.0;
   int min_points = 50;
+
+  LocalMapParams();
 };
 void fields(FieldVisitor& v, LocalMapParams& p);
 

@@ -44,6 +44,8 @@ struct RegistrationPrior {
   double sigma_angular_rad_s = 1.0;
   double sigma_acceleration_m_s2 = 5.0;
   double sigma_angular_acceleration_rad_s2 = 10.0;
+  /// Of the speed along the target's z axis, about zero.
+  double sigma_vertical_m_s = 0.5;
   /// Largest distance of correspondences at the start.
   double correspondence_m = 0.5;
   bool wide = false;

@@ -7,6 +7,7 @@
 #include "dynemo/core/fields.h"
 #include "dynemo/odometry/cell_index.h"
 #include "dynemo/odometry/registration_target.h"
+#include "dynemo/odometry/scan_line_points.h"
 
 namespace dynemo {
 
@@ -27,6 +28,11 @@ class VoxelHashMap final : public RegistrationTarget {
   explicit VoxelHashMap(const VoxelHashMapParams& params);
 
   void insert(const Eigen::Vector3f& point, const Eigen::Vector3f& normal);
+  /// A point of a single scan line: part of the map once other lines show the surface it is on.
+  void insertFromLine(const Eigen::Vector3f& point, const Eigen::Vector3f& to_sensor,
+                      float elevation_rad);
+  /// Before the points of each sweep.
+  void beginSweep() { lines_.beginSweep(); }
   bool nearest(const Eigen::Vector3f& p, const Eigen::Vector3f& normal,
                const CorrespondenceGate& gate, Correspondence& found) const override;
 
@@ -57,6 +63,7 @@ class VoxelHashMap final : public RegistrationTarget {
   std::vector<CellCoordinates> coordinates_;
   std::vector<std::uint32_t> counts_;
   std::vector<float> data_;
+  ScanLinePoints lines_;
 };
 
 }  // namespace dynemo
