@@ -36,7 +36,7 @@ libraries=(
   libjs-three # goes into the web page
 )
 run_time_tools=(gnuplot-nox) # figures of dynemo-ablation
-test_libraries=(libgtest-dev libbenchmark-dev libceres-dev)
+test_libraries=(libgtest-dev libbenchmark-dev libceres-dev libmrpt-graphslam-dev)
 # Programs of others that tests look through; tests that lack theirs are skipped.
 test_programs=(
   mrpt-apps xvfb xdotool imagemagick tesseract-ocr tesseract-ocr-eng # RawLogViewer's window

@@ -42,22 +42,28 @@ void BlockArena::release(Block& block) {
   block = {};
 }
 
+void BlockArena::clear() {
+  for (auto& list : free_) list.clear();
+  // Large ones stand by as they are; the chunks are cut anew.
+  for (const auto& [size_class, data] : large_) free_[size_class].push_back(data.get());
+  current_ = chunk_used_ = 0;
+}
+
 double* BlockArena::carve(std::size_t size) {
   if (size > kChunk / 4) {
-    // Keeps the chunk in use as the last one.
-    chunks_.insert(chunks_.empty() ? chunks_.end() : chunks_.end() - 1,
-                   std::make_unique_for_overwrite<double[]>(size));
+    large_.emplace_back(sizeClass(size).index, std::make_unique_for_overwrite<double[]>(size));
     capacity_ += size;
-    double* const data = chunks_.size() == 1 ? chunks_.front().get() : (chunks_.end() - 2)->get();
-    if (chunks_.size() == 1) chunk_used_ = kChunk;
-    return data;
+    return large_.back().second.get();
   }
-  if (chunk_used_ + size > kChunk) {
-    chunks_.push_back(std::make_unique_for_overwrite<double[]>(kChunk));
-    capacity_ += kChunk;
+  if (current_ < chunks_.size() && chunk_used_ + size > kChunk) {
+    ++current_;
     chunk_used_ = 0;
   }
-  double* const data = chunks_.back().get() + chunk_used_;
+  if (current_ == chunks_.size()) {
+    chunks_.push_back(std::make_unique_for_overwrite<double[]>(kChunk));
+    capacity_ += kChunk;
+  }
+  double* const data = chunks_[current_].get() + chunk_used_;
   chunk_used_ += size;
   return data;
 }

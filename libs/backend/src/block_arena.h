@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace dynemo::backend {
@@ -25,6 +26,8 @@ class BlockArena {
   /// Makes `block` hold at least `size` doubles; what it held is lost.
   void reserve(Block& block, std::size_t size);
   void release(Block& block);
+  /// Takes back everything; blocks that are still about must be forgotten.
+  void clear();
   /// Doubles in all chunks.
   std::size_t capacity() const { return capacity_; }
 
@@ -35,8 +38,11 @@ class BlockArena {
 
   double* carve(std::size_t size);
 
+  /// Of kChunk doubles; those before the current one are in use.
   std::vector<std::unique_ptr<double[]>> chunks_;
-  std::size_t chunk_used_ = kChunk;
+  std::size_t current_ = 0, chunk_used_ = 0;
+  /// Of other sizes, by class.
+  std::vector<std::pair<int, std::unique_ptr<double[]>>> large_;
   std::array<std::vector<double*>, kClasses> free_;
   std::size_t capacity_ = 0;
 };

@@ -1,9 +1,14 @@
 #include "cholmod_context.h"
 
+#include <mutex>
+
 // Present when the system's BLAS is OpenBLAS; other implementations run on one thread anyway.
 extern "C" {
 [[gnu::weak]] void openblas_set_num_threads(int threads);
 [[gnu::weak]] int openblas_get_num_threads(void);
+// Present when CHOLMOD uses OpenMP.
+[[gnu::weak]] void omp_set_max_active_levels(int levels);
+[[gnu::weak]] int omp_get_max_active_levels(void);
 }
 
 namespace dynemo::backend {
@@ -34,13 +39,30 @@ cholmod_sparse lowerTriangleView(int size, int* column_begin, int* rows, double*
   return A;
 }
 
-SingleThreadedBlas::SingleThreadedBlas()
-    : threads_before_(openblas_get_num_threads ? openblas_get_num_threads() : 1) {
-  if (openblas_set_num_threads && threads_before_ != 1) openblas_set_num_threads(1);
+namespace {
+
+/// The setting of the BLAS belongs to the process: the last one to leave restores it.
+std::mutex blas_mutex;
+int blas_users = 0, blas_threads_before = 1;
+
+}  // namespace
+
+SingleThreaded::SingleThreaded()
+    : levels_before_(omp_get_max_active_levels ? omp_get_max_active_levels() : 0) {
+  // Each thread's own.
+  if (omp_set_max_active_levels) omp_set_max_active_levels(0);
+  if (!openblas_get_num_threads || !openblas_set_num_threads) return;
+  const std::lock_guard lock(blas_mutex);
+  if (blas_users++ > 0) return;
+  blas_threads_before = openblas_get_num_threads();
+  if (blas_threads_before != 1) openblas_set_num_threads(1);
 }
 
-SingleThreadedBlas::~SingleThreadedBlas() {
-  if (openblas_set_num_threads && threads_before_ != 1) openblas_set_num_threads(threads_before_);
+SingleThreaded::~SingleThreaded() {
+  if (omp_set_max_active_levels) omp_set_max_active_levels(levels_before_);
+  if (!openblas_get_num_threads || !openblas_set_num_threads) return;
+  const std::lock_guard lock(blas_mutex);
+  if (--blas_users == 0 && blas_threads_before != 1) openblas_set_num_threads(blas_threads_before);
 }
 
 }  // namespace dynemo::backend

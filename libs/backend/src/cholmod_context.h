@@ -37,17 +37,18 @@ using DensePtr = std::unique_ptr<cholmod_dense, DenseDeleter>;
 /// Without values it is a pattern.
 cholmod_sparse lowerTriangleView(int size, int* column_begin, int* rows, double* values);
 
-/// Keeps the BLAS on the calling thread while it lives: a reduction split over threads would make
-/// the last bits depend on how many there are.
-class SingleThreadedBlas {
+/// Keeps the BLAS and OpenMP, with which CHOLMOD may have been built, on the calling thread while
+/// it lives: a reduction split over threads would make the last bits depend on how many there are,
+/// and threads that wait for each other's small shares cost more than they do.
+class SingleThreaded {
  public:
-  SingleThreadedBlas();
-  ~SingleThreadedBlas();
-  SingleThreadedBlas(const SingleThreadedBlas&) = delete;
-  SingleThreadedBlas& operator=(const SingleThreadedBlas&) = delete;
+  SingleThreaded();
+  ~SingleThreaded();
+  SingleThreaded(const SingleThreaded&) = delete;
+  SingleThreaded& operator=(const SingleThreaded&) = delete;
 
  private:
-  int threads_before_;
+  int levels_before_;
 };
 
 }  // namespace dynemo::backend

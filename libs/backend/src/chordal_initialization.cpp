@@ -11,7 +11,7 @@
 namespace dynemo {
 namespace {
 
-using backend::SingleThreadedBlas;
+using backend::SingleThreaded;
 using Sparse = Eigen::SparseMatrix<double>;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
@@ -88,7 +88,7 @@ class RowSystem {
   Expected<MatrixX, std::string> solve() const {
     Sparse A(rhs_.rows(), rhs_.rows());
     A.setFromTriplets(entries_.begin(), entries_.end());
-    const SingleThreadedBlas single_threaded;
+    const SingleThreaded single_threaded;
     Eigen::CholmodDecomposition<Sparse> factor;
     factor.cholmod().print = 0;
     factor.compute(A);

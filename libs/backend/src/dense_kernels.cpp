@@ -1,42 +1,96 @@
 #include "dense_kernels.h"
 
-#include <cblas.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 
-// The loops below are axpy loops: wider registers give the same bits, only sooner.
+// Every sum runs over the pivots in ascending order, one multiplication and one addition at a time:
+// wider registers give the same bits, only sooner.
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__)
 #define DYNEMO_WIDEST_VECTORS __attribute__((target_clones("default", "avx2", "avx512f")))
 #else
 #define DYNEMO_WIDEST_VECTORS
 #endif
+#define DYNEMO_INLINE [[gnu::always_inline]] inline
 
 namespace dynemo::backend {
 namespace {
 
-/// Pivots that are factorised at once; the BLAS does what is right of them and below.
+/// Pivots whose outer product is subtracted from the rest at once.
 constexpr int kBlock = 48;
-/// Fronts of fewer rows stay off the BLAS, whose calls cost more than they do.
-constexpr int kSmallFront = 36;
+/// Columns that a tile of registers holds.
+constexpr int kTileColumns = 4;
+constexpr int kLanes = 8;
+using Lanes [[gnu::vector_size(kLanes * sizeof(double)), gnu::aligned(8), gnu::may_alias]] = double;
 
-/// Columns [0, width) of the trapezoid, left-looking.
+DYNEMO_INLINE double* at(double* A, int ld, int row, int column) {
+  return A + static_cast<std::ptrdiff_t>(column) * ld + row;
+}
+DYNEMO_INLINE const double* at(const double* A, int ld, int row, int column) {
+  return A + static_cast<std::ptrdiff_t>(column) * ld + row;
+}
+DYNEMO_INLINE Lanes& lanes(double* p) { return *reinterpret_cast<Lanes*>(p); }
+DYNEMO_INLINE const Lanes& lanes(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
+
+/// C −= P Qᵀ of 8·kRows rows and kColumns columns, held in registers.
+template <int kRows, int kColumns>
+DYNEMO_INLINE void subtractTile(const double* P, const double* Q, double* C, int ld, int depth) {
+  Lanes sum[kRows][kColumns];
+#pragma GCC unroll 8
+  for (int c = 0; c < kColumns; ++c)
+#pragma GCC unroll 8
+    for (int r = 0; r < kRows; ++r) sum[r][c] = lanes(at(C, ld, kLanes * r, c));
+  for (int k = 0; k < depth; ++k) {
+    const double *const p = at(P, ld, 0, k), *const q = at(Q, ld, 0, k);
+#pragma GCC unroll 8
+    for (int c = 0; c < kColumns; ++c)
+#pragma GCC unroll 8
+      for (int r = 0; r < kRows; ++r) sum[r][c] -= lanes(p + kLanes * r) * q[c];
+  }
+#pragma GCC unroll 8
+  for (int c = 0; c < kColumns; ++c)
+#pragma GCC unroll 8
+    for (int r = 0; r < kRows; ++r) lanes(at(C, ld, kLanes * r, c)) = sum[r][c];
+}
+
+template <int kColumns>
+DYNEMO_INLINE void subtractColumns(const double* P, const double* Q, double* C, int ld, int rows,
+                                   int depth) {
+  int i = 0;
+  for (; i + 2 * kLanes <= rows; i += 2 * kLanes)
+    subtractTile<2, kColumns>(P + i, Q, C + i, ld, depth);
+  if (i + kLanes <= rows) {
+    subtractTile<1, kColumns>(P + i, Q, C + i, ld, depth);
+    i += kLanes;
+  }
+  for (; i < rows; ++i) {
+    for (int c = 0; c < kColumns; ++c) {
+      double sum = *at(C, ld, i, c);
+      for (int k = 0; k < depth; ++k) sum -= *at(P, ld, i, k) * *at(Q, ld, c, k);
+      *at(C, ld, i, c) = sum;
+    }
+  }
+}
+
+/// The first `columns` columns of C −= P Pᵀ, `rows` rows, `depth` columns of P; from the diagonal
+/// down (and up to three entries above it).
+DYNEMO_WIDEST_VECTORS
+void subtractSquare(const double* P, double* C, int ld, int rows, int columns, int depth) {
+  int j = 0;
+  for (; j + kTileColumns <= columns; j += kTileColumns)
+    subtractColumns<kTileColumns>(P + j, P + j, at(C, ld, j, j), ld, rows - j, depth);
+  for (; j < columns; ++j) subtractColumns<1>(P + j, P + j, at(C, ld, j, j), ld, rows - j, depth);
+}
+
+/// A few columns on their own.
 DYNEMO_WIDEST_VECTORS
 int factorizeColumns(double* A, int ld, int rows, int width) {
   for (int j = 0; j < width; ++j) {
-    double* const column = A + static_cast<std::ptrdiff_t>(j) * ld;
-    int k = 0;
-    for (; k + 3 < j; k += 4) {
-      const double* const a = A + static_cast<std::ptrdiff_t>(k) * ld;
-      const double *const b = a + ld, *const c = b + ld, *const d = c + ld;
-      const double fa = a[j], fb = b[j], fc = c[j], fd = d[j];
-      for (int i = j; i < rows; ++i) column[i] -= fa * a[i] + fb * b[i] + fc * c[i] + fd * d[i];
-    }
-    for (; k < j; ++k) {
-      const double* const a = A + static_cast<std::ptrdiff_t>(k) * ld;
-      const double fa = a[j];
-      for (int i = j; i < rows; ++i) column[i] -= fa * a[i];
+    double* const column = at(A, ld, 0, j);
+    for (int k = 0; k < j; ++k) {
+      const double* const a = at(A, ld, 0, k);
+      const double f = a[j];
+      for (int i = j; i < rows; ++i) column[i] -= f * a[i];
     }
     if (!(column[j] > 0.0)) return j;
     const double pivot = std::sqrt(column[j]), inverse = 1.0 / pivot;
@@ -46,50 +100,44 @@ int factorizeColumns(double* A, int ld, int rows, int width) {
   return -1;
 }
 
-/// trailing (lower triangle of size n) −= panel · panelᵀ.
-DYNEMO_WIDEST_VECTORS
-void subtractSmall(const double* panel, double* trailing, int ld, int n, int width) {
-  for (int j = 0; j < n; ++j) {
-    double* const column = trailing + static_cast<std::ptrdiff_t>(j) * ld;
-    for (int k = 0; k < width; ++k) {
-      const double* const a = panel + static_cast<std::ptrdiff_t>(k) * ld;
-      const double f = a[j];
-      for (int i = j; i < n; ++i) column[i] -= f * a[i];
-    }
-  }
+/// Σ aᵢ bᵢ, eight partial sums.
+DYNEMO_INLINE double dot(const double* a, const double* b, int n) {
+  Lanes partial{};
+  int i = 0;
+  for (; i + kLanes <= n; i += kLanes) partial += lanes(a + i) * lanes(b + i);
+  double sum = 0.0;
+  for (; i < n; ++i) sum += a[i] * b[i];
+  for (int l = 0; l < kLanes; ++l) sum += partial[l];
+  return sum;
 }
 
 }  // namespace
 
 int factorizePivots(double* A, int ld, int rows, int pivots) {
-  if (rows <= kSmallFront) {
-    const int bad = factorizeColumns(A, ld, rows, pivots);
-    if (bad < 0 && rows > pivots) {
-      subtractSmall(A + pivots, A + pivots + static_cast<std::ptrdiff_t>(pivots) * ld, ld,
-                    rows - pivots, pivots);
-    }
-    return bad;
-  }
   for (int first = 0; first < pivots; first += kBlock) {
-    const int width = std::min(kBlock, pivots - first), below = rows - first - width;
-    double* const corner = A + first + static_cast<std::ptrdiff_t>(first) * ld;
-    if (const int bad = factorizeColumns(corner, ld, width, width); bad >= 0) return first + bad;
-    if (below == 0) break;
-    double* const panel = corner + width;
-    cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, below, width, 1.0,
-                corner, ld, panel, ld);
-    cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, below, width, -1.0, panel, ld, 1.0,
-                panel + static_cast<std::ptrdiff_t>(width) * ld, ld);
+    const int width = std::min(kBlock, pivots - first), below = rows - first;
+    double* const block = at(A, ld, first, first);
+    for (int j = 0; j < width; j += kTileColumns) {
+      const int few = std::min(kTileColumns, width - j);
+      double* const corner = at(block, ld, j, j);
+      subtractSquare(block + j, corner, ld, below - j, few, j);
+      if (const int bad = factorizeColumns(corner, ld, below - j, few); bad >= 0)
+        return first + j + bad;
+    }
+    const int rest = below - width;
+    if (rest > 0) subtractSquare(block + width, at(block, ld, width, width), ld, rest, rest, width);
   }
   return -1;
 }
 
+DYNEMO_WIDEST_VECTORS
 void backSubstitute(const double* L, int ld, int rows, int pivots, const double* x, double* y) {
-  if (rows > pivots) {
-    cblas_dgemv(CblasColMajor, CblasTrans, rows - pivots, pivots, -1.0, L + pivots, ld, x, 1, 1.0,
-                y, 1);
+  for (int j = pivots - 1; j >= 0; --j) {
+    const double* const column = at(L, ld, 0, j);
+    const double known =
+        dot(column + j + 1, y + j + 1, pivots - j - 1) + dot(column + pivots, x, rows - pivots);
+    y[j] = (y[j] - known) / column[j];
   }
-  cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, pivots, L, ld, y, 1);
 }
 
 }  // namespace dynemo::backend

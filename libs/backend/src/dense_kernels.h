@@ -6,7 +6,8 @@ namespace dynemo::backend {
 /// A is the lower trapezoid of a symmetric matrix, column-major with leading dimension `ld`, `rows`
 /// rows. Replaces its first `pivots` columns by those of the Cholesky factor and subtracts their
 /// outer product from the rest of the lower triangle. Returns the first column whose pivot is not
-/// positive, or −1. Small fronts run on kernels of fixed size, large ones on the BLAS.
+/// positive, or −1. Entries above the diagonal are left undefined. The same bits on every
+/// processor.
 int factorizePivots(double* A, int ld, int rows, int pivots);
 
 /// y ← L₁₁⁻ᵀ (y − L₂₁ᵀ x), L the first `pivots` columns of a front of `rows` rows: the step of a

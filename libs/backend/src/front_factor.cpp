@@ -22,7 +22,7 @@ std::size_t updateSize(int rows) {
 }  // namespace
 
 void FrontFactor::build(const LiveProblem& problem, CholmodContext& context) {
-  arena_ = BlockArena();
+  arena_.clear();
   tree_.build(problem, context);
   recompute_.clear();
   carried_.assign(static_cast<std::size_t>(problem.tangentSize()), 0.0);

@@ -196,23 +196,23 @@ void IncrementalSolver::updateEstimates(const std::vector<int>& variables) {
 
 bool IncrementalSolver::factorize() {
   if (needs_build_) return false;
-  const SingleThreadedBlas single_threaded;
+  const SingleThreaded single_threaded;
   needs_build_ = factor_.factorize(problem_).has_value();
   return !needs_build_;
 }
 
 bool IncrementalSolver::step(OptimizationReport& report) {
   {
-    const ScopedTimer timer(report.numeric_ms);
+    const PhaseTimer timer(report.numeric_ms);
     relinearizePending();
     if (factor_.factorize(problem_)) return false;
   }
   ++report.factorizations;
   {
-    const ScopedTimer timer(report.solve_ms);
+    const PhaseTimer timer(report.solve_ms);
     updateEstimates(factor_.solve(problem_, params_.propagate_above));
   }
-  const ScopedTimer timer(report.linearize_ms);
+  const PhaseTimer timer(report.linearize_ms);
   for (const int f : costs_) {
     if (!problem_.edge(f)) continue;
     problem_.updateCost(f);
@@ -225,12 +225,12 @@ bool IncrementalSolver::step(OptimizationReport& report) {
 
 void IncrementalSolver::prepare(OptimizationReport& report) {
   if (!renewalIsDue()) return;
-  const ScopedTimer timer(report.ordering_ms);
+  const PhaseTimer timer(report.ordering_ms);
   renew();
 }
 
 bool IncrementalSolver::solve(OptimizationReport& report) {
-  const SingleThreadedBlas single_threaded;
+  const SingleThreaded single_threaded;
   unmark(is_changed_, changed_);
   prepare(report);
   for (const int f : costs_) {

@@ -55,7 +55,7 @@ void LevenbergMarquardt::run(std::vector<double>& states) {
 }
 
 void LevenbergMarquardt::linearizeAt(const std::vector<double>& states) {
-  const ScopedTimer timer(report_.linearize_ms);
+  const PhaseTimer timer(report_.linearize_ms);
   linearize(problem_, structure_, states, equations_);
   scaleDamping();
 }
@@ -78,7 +78,7 @@ void LevenbergMarquardt::scaleDamping() {
 }
 
 bool LevenbergMarquardt::factorizeDamped() {
-  const ScopedTimer timer(report_.numeric_ms);
+  const PhaseTimer timer(report_.numeric_ms);
   const auto& diagonal = structure_.diagonal();
   VectorX undamped(structure_.size());
   for (int i = 0; i < structure_.size(); ++i) {
@@ -94,7 +94,7 @@ bool LevenbergMarquardt::factorizeDamped() {
 }
 
 void LevenbergMarquardt::solveStep() {
-  const ScopedTimer timer(report_.solve_ms);
+  const PhaseTimer timer(report_.solve_ms);
   negative_gradient_ = -equations_.gradient;
   factor_.solve(negative_gradient_, step_);
 }
@@ -145,7 +145,7 @@ void LevenbergMarquardt::lowerDamping(double gain_ratio) {
 }
 
 double LevenbergMarquardt::tryCost(const std::vector<double>& states) {
-  const ScopedTimer timer(report_.linearize_ms);
+  const PhaseTimer timer(report_.linearize_ms);
   retract(problem_, structure_, states, step_, candidate_);
   return evaluateCost(problem_, candidate_);
 }

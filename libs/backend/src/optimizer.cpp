@@ -35,12 +35,12 @@ struct Optimizer::Impl {
     if (analysis && analysis->connectivity == problem.connectivity()) return *analysis;
     std::optional<BlockStructure> structure;
     {
-      const ScopedTimer timer(ordering_ms);
+      const PhaseTimer timer(ordering_ms);
       Adjacency adjacency = adjacencyOf(problem.connectivity());
       structure.emplace(problem.connectivity(), adjacency,
                         kept_order.update(problem, adjacency, context).order);
     }
-    const ScopedTimer timer(symbolic_ms);
+    const PhaseTimer timer(symbolic_ms);
     SparseFactor factor(*structure, context);
     analysis.emplace(Analysis{problem.connectivity(), std::move(*structure), std::move(factor)});
     return *analysis;
@@ -126,7 +126,7 @@ bool Optimizer::Impl::isFactorized(const CSceneGraph& graph) {
 
 OptimizationReport Optimizer::optimize(CSceneGraph& graph) {
   OptimizationReport report;
-  const ScopedTimer timer(report.total_ms);
+  const WallTimer timer(report.total_ms);
   switch (impl_->params.method) {
     case SolverParams::Method::kBatch:
       impl_->optimizeInBatch(graph, report);
@@ -140,7 +140,7 @@ OptimizationReport Optimizer::optimize(CSceneGraph& graph) {
 
 OptimizationReport Optimizer::optimizeFully(CSceneGraph& graph) {
   OptimizationReport report;
-  const ScopedTimer timer(report.total_ms);
+  const WallTimer timer(report.total_ms);
   impl_->optimizeInBatch(graph, report);
   return report;
 }

@@ -37,7 +37,7 @@ SparseFactor::SparseFactor(const BlockStructure& structure, CholmodContext& cont
 
 std::optional<int> SparseFactor::factorize(const BlockStructure& structure,
                                            std::vector<double>& hessian) {
-  const SingleThreadedBlas single_threaded;
+  const SingleThreaded single_threaded;
   cholmod_sparse H = structure.view(hessian.data());
   (*context_)->supernodal = factor_->is_super ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL;
   if (!cholmod_factorize(&H, factor_.get(), context_->get())) {
@@ -48,7 +48,7 @@ std::optional<int> SparseFactor::factorize(const BlockStructure& structure,
 }
 
 void SparseFactor::solve(const VectorX& b, VectorX& x) {
-  const SingleThreadedBlas single_threaded;
+  const SingleThreaded single_threaded;
   cholmod_dense rhs = denseView(b.data(), static_cast<std::size_t>(b.size()), 1);
   cholmod_dense *X = solution_.release(), *Y = work_y_.release(), *E = work_e_.release();
   const int ok =
@@ -61,7 +61,7 @@ void SparseFactor::solve(const VectorX& b, VectorX& x) {
 }
 
 MatrixX SparseFactor::solve(const MatrixX& b) {
-  const SingleThreadedBlas single_threaded;
+  const SingleThreaded single_threaded;
   cholmod_dense rhs =
       denseView(b.data(), static_cast<std::size_t>(b.rows()), static_cast<std::size_t>(b.cols()));
   const DensePtr X(cholmod_solve(CHOLMOD_A, factor_.get(), &rhs, context_->get()), {context_});

@@ -52,6 +52,18 @@ Pose3 GeneratedWorld::noisy(const Pose3& T, double sigma_m, double sigma_rad) {
   return T.retract(d);
 }
 
+int GeneratedWorld::floorAt(int k) const {
+  const int floor = k / (params_.keyframes_per_lap * params_.laps_per_floor);
+  return params_.storeys > 0 ? floor % params_.storeys : floor;
+}
+
+int GeneratedWorld::lastVisit(int k) const {
+  const int lap_ago = k - params_.keyframes_per_lap;
+  if (lap_ago >= 0 && floorAt(lap_ago) == floorAt(k)) return lap_ago;
+  if (params_.storeys == 0) return -1;
+  return lap_ago - params_.keyframes_per_lap * params_.laps_per_floor * (params_.storeys - 1);
+}
+
 Pose3 GeneratedWorld::robotAt(int k) const {
   const double turn = 2.0 * std::numbers::pi * k / params_.keyframes_per_lap;
   const double z = kStorey_m * floorAt(k);
@@ -231,12 +243,11 @@ GraphDelta GeneratedWorld::nextKeyframe(const CSceneGraph& graph) {
   observe(graph, {kAgent}, agentPose(k_), SemanticClass::kAgent, keyframe->id, keyframe->T_map_node,
           delta);
   if (params_.planes && k_ % 3 == 0) seeStructure(graph, delta, *keyframe);
-  const int lap_ago = k_ - params_.keyframes_per_lap;
-  if (params_.loop_every > 0 && lap_ago >= 0 && k_ % params_.loop_every == 0 &&
-      floorAt(lap_ago) == floorAt(k_)) {
-    const CNodeKeyframe& seen = *graph.keyframes()[static_cast<std::size_t>(lap_ago)];
+  const int before = lastVisit(k_);
+  if (params_.loop_every > 0 && before >= 0 && k_ % params_.loop_every == 0) {
+    const CNodeKeyframe& seen = *graph.keyframes()[static_cast<std::size_t>(before)];
     auto loop = addEdge<CEdgeLoopClosure>(graph, delta, {seen.id, keyframe->id});
-    loop->T_1_2 = noisy(robotAt(lap_ago).inverse() * robotAt(k_), 0.05, 0.01);
+    loop->T_1_2 = noisy(robotAt(before).inverse() * robotAt(k_), 0.05, 0.01);
     loop->setCovariance(isotropicCovariance(0.05, 0.01));
   }
   ++k_;

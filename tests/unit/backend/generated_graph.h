@@ -14,6 +14,8 @@ struct WorldParams {
   std::uint64_t seed = 1;
   int keyframes_per_lap = 64;
   int laps_per_floor = 4;
+  /// Of the building; after the last the robot begins again with the first. 0: without end.
+  int storeys = 0;
   int observations_per_keyframe = 3;
   /// Every n-th keyframe after the first lap closes a loop; 0 never.
   int loop_every = 10;
@@ -36,7 +38,9 @@ class GeneratedWorld {
   double gauss();
   Pose3 noisy(const Pose3& T, double sigma_m, double sigma_rad);
   Pose3 robotAt(int k) const;
-  int floorAt(int k) const { return k / (params_.keyframes_per_lap * params_.laps_per_floor); }
+  int floorAt(int k) const;
+  /// The last keyframe before that was taken here; negative when there is none.
+  int lastVisit(int k) const;
   Pose3 objectPose(int floor, int index) const;
   Pose3 agentPose(int k) const;
   RobustKernel detectionKernel();
