@@ -28,13 +28,13 @@ void FrontFactor::build(const LiveProblem& problem, CholmodContext& context) {
   carried_.assign(static_cast<std::size_t>(problem.tangentSize()), 0.0);
 }
 
-std::optional<int> FrontFactor::factorize(LiveProblem& problem) {
+std::optional<int> FrontFactor::factorize(LiveProblem& problem, const DensePrior& prior) {
   last_flops_ = 0.0;
   last_fronts_ = 0;
   place_.resize(static_cast<std::size_t>(problem.variables()), -1);
   recompute_.resize(static_cast<std::size_t>(tree_.fronts()), 0);
   for (int f = tree_.nextDirty(problem); f >= 0; f = tree_.nextDirty(problem)) {
-    if (!factorizeFront(problem, f)) return singular_;
+    if (!factorizeFront(problem, f, prior)) return singular_;
     recompute_[f] = 1;
     last_flops_ += tree_.front(f).flops();
     ++last_fronts_;
@@ -42,7 +42,7 @@ std::optional<int> FrontFactor::factorize(LiveProblem& problem) {
   return std::nullopt;
 }
 
-bool FrontFactor::factorizeFront(LiveProblem& problem, int f) {
+bool FrontFactor::factorizeFront(LiveProblem& problem, int f, const DensePrior& prior) {
   Front& front = tree_.front(f);
   const int n = front.pivot_size + front.row_size, ld = n + 1;
   if (matrix_.size() < square(ld)) matrix_.resize(square(ld));
@@ -51,6 +51,7 @@ bool FrontFactor::factorizeFront(LiveProblem& problem, int f) {
   diagonal_.assign(static_cast<std::size_t>(n), 0.0);
   placeRows(problem, front);
   assembleFactors(problem, front, ld);
+  if (prior.information) assemblePrior(problem, front, prior, ld);
   for (int c = front.first_child; c >= 0; c = tree_.front(c).next_sibling)
     assembleChild(problem, tree_.front(c), ld);
   const int bad = factorizePivots(matrix_.data(), ld, ld, front.pivot_size);
@@ -100,6 +101,26 @@ void FrontFactor::assembleFactors(LiveProblem& problem, const Front& front, int 
         }
       }
     });
+  }
+}
+
+void FrontFactor::assemblePrior(const LiveProblem& problem, const Front& front,
+                                const DensePrior& prior, int ld) {
+  for (const int a : tree_.list(front.pivots)) {
+    if (a >= tree_.clique()) continue;
+    const int from = problem.tangentOffset(a);
+    for (int i = 0; i < problem.tangentSize(a); ++i) {
+      matrix_[static_cast<std::size_t>(place_[a] + i) * ld + ld - 1] -= (*prior.gradient)[from + i];
+      diagonal_[place_[a] + i] += (*prior.information)(from + i, from + i);
+    }
+    for (int b = 0; b < tree_.clique(); ++b) {
+      if (tree_.position(b) < tree_.position(a)) continue;
+      for (int j = 0; j < problem.tangentSize(a); ++j) {
+        double* const column = &matrix_[static_cast<std::size_t>(place_[a] + j) * ld + place_[b]];
+        for (int i = 0; i < problem.tangentSize(b); ++i)
+          column[i] += (*prior.information)(problem.tangentOffset(b) + i, from + j);
+      }
+    }
   }
 }
 

@@ -16,6 +16,12 @@
 
 namespace dynemo::backend {
 
+/// One more term of the cost, on the clique of the tree (front_tree.h).
+struct DensePrior {
+  const MatrixX* information;
+  const VectorX* gradient;  ///< at the linearisation
+};
+
 class FrontFactor {
  public:
   /// Orders and lays out the problem anew; nothing is factorised yet.
@@ -25,7 +31,7 @@ class FrontFactor {
 
   /// Factorises what is dirty. Returns the variable where the matrix is singular or indefinite; the
   /// factorisation must then be built anew.
-  std::optional<int> factorize(LiveProblem& problem);
+  std::optional<int> factorize(LiveProblem& problem, const DensePrior& prior = {});
   /// Flops and fronts of the last factorize().
   double lastFlops() const { return last_flops_; }
   int lastFronts() const { return last_fronts_; }
@@ -40,9 +46,11 @@ class FrontFactor {
   std::size_t storedDoubles() const { return arena_.capacity(); }
 
  private:
-  bool factorizeFront(LiveProblem& problem, int front);
+  bool factorizeFront(LiveProblem& problem, int front, const DensePrior& prior);
   void placeRows(const LiveProblem& problem, const Front& front);
   void assembleFactors(LiveProblem& problem, const Front& front, int ld);
+  void assemblePrior(const LiveProblem& problem, const Front& front, const DensePrior& prior,
+                     int ld);
   void assembleChild(const LiveProblem& problem, const Front& child, int ld);
   bool pivotsAreSound(const Front& front, int ld) const;
   void storeFront(Front& front, int ld);

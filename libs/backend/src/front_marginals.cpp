@@ -45,6 +45,9 @@ class PathSolver {
   int size() const { return size_; }
   int at(int variable) const { return at_[variable]; }
 
+  void forward(MatrixX& b) {
+    for (const int f : path_) forward(tree_.front(f), b);
+  }
   void solve(MatrixX& b) {
     for (const int f : path_) forward(tree_.front(f), b);
     for (auto f = path_.rbegin(); f != path_.rend(); ++f) backward(tree_.front(*f), b);
@@ -199,6 +202,21 @@ MatrixX jointCovariance(const LiveProblem& problem, const FrontFactor& factor,
   MatrixX joint(n, n);
   for (Eigen::Index r = 0; r < n; ++r) joint.row(r) = columns.row(entries[r]);
   return 0.5 * (joint + joint.transpose());
+}
+
+MatrixX quadraticForm(const LiveProblem& problem, const FrontFactor& factor, const MatrixX& A) {
+  std::vector<int> variables;
+  for (int v = 0; v < problem.variables(); ++v) {
+    const auto rows = A.middleRows(problem.tangentOffset(v), problem.tangentSize(v));
+    if (problem.alive(v) && !rows.isZero(0.0)) variables.push_back(v);
+  }
+  PathSolver solver(problem, factor.tree(), variables);
+  MatrixX b = MatrixX::Zero(solver.size(), A.cols());
+  for (const int v : variables)
+    b.middleRows(solver.at(v), problem.tangentSize(v)) =
+        A.middleRows(problem.tangentOffset(v), problem.tangentSize(v));
+  solver.forward(b);
+  return b.transpose() * b;
 }
 
 std::vector<MatrixX> blockCovariances(const LiveProblem& problem, const FrontFactor& factor,

@@ -15,6 +15,9 @@ namespace dynemo::backend {
 MatrixX jointCovariance(const LiveProblem& problem, const FrontFactor& factor,
                         std::span<const int> variables);
 
+/// Aᵀ H⁻¹ A, where A has a row for every tangent entry of the problem.
+MatrixX quadraticForm(const LiveProblem& problem, const FrontFactor& factor, const MatrixX& A);
+
 /// The variables' own blocks of H⁻¹, by the recursion of selected_inverse.h from the root down to
 /// the fronts that eliminate them.
 std::vector<MatrixX> blockCovariances(const LiveProblem& problem, const FrontFactor& factor,

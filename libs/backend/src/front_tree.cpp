@@ -29,8 +29,9 @@ struct Compact {
   Adjacency adjacency;
 };
 
+/// Of the variables to keep; the first `clique` ones are coupled.
 template <class Keep>
-Compact compact(const LiveProblem& problem, Keep keep) {
+Compact compact(const LiveProblem& problem, int clique, Keep keep) {
   Compact c;
   c.index.assign(static_cast<std::size_t>(problem.variables()), -1);
   Connectivity connectivity;
@@ -46,6 +47,9 @@ Compact compact(const LiveProblem& problem, Keep keep) {
       if (c.index[v] >= 0) connectivity.factor_variables.push_back(c.index[v]);
     connectivity.factor_begin.push_back(static_cast<int>(connectivity.factor_variables.size()));
   }
+  for (int v = 0; v < clique; ++v)
+    if (c.index[v] >= 0) connectivity.factor_variables.push_back(c.index[v]);
+  connectivity.factor_begin.push_back(static_cast<int>(connectivity.factor_variables.size()));
   c.adjacency = adjacencyOf(connectivity);
   return c;
 }
@@ -58,7 +62,8 @@ std::vector<int> FrontTree::order(const LiveProblem& problem, CholmodContext& co
   for (int f = std::max(0, problem.factors() - kRecentFactors); f < problem.factors(); ++f) {
     for (const int v : problem.variablesOf(f)) is_hub[v] |= problem.degree(v) > kHubDegree;
   }
-  Compact c = compact(problem, [&](int v) { return !is_hub[v]; });
+  std::fill_n(is_hub.begin(), clique_, 1);
+  Compact c = compact(problem, clique_, [&](int v) { return !is_hub[v]; });
   std::vector<int> order;
   if (!c.variables.empty()) order = eliminationOrder(c.adjacency, context).order;
   for (int& v : order) v = c.variables[v];
@@ -70,7 +75,9 @@ std::vector<int> FrontTree::order(const LiveProblem& problem, CholmodContext& co
 }
 
 void FrontTree::build(const LiveProblem& problem, CholmodContext& context) {
+  const int clique = clique_;
   *this = FrontTree();
+  clique_ = clique;
   const auto n = static_cast<std::size_t>(problem.variables());
   front_of_.assign(n, -1);
   position_.assign(n, -1);
@@ -88,7 +95,7 @@ void FrontTree::build(const LiveProblem& problem, CholmodContext& context) {
 void FrontTree::layOut(const LiveProblem& problem, const std::vector<int>& order,
                        const std::vector<int>& hubs, CholmodContext& context) {
   // CHOLMOD finds the supernodes of the block pattern, merging small ones.
-  Compact c = compact(problem, [](int) { return true; });
+  Compact c = compact(problem, clique_, [](int) { return true; });
   const int n = static_cast<int>(order.size());
   std::vector<int> permutation;
   for (const int v : order) permutation.push_back(c.index[v]);
@@ -242,6 +249,8 @@ void FrontTree::updateStructure(const LiveProblem& problem, int f) {
     forEachOwnedFactor(pivot, [&](int factor) {
       for (const int v : problem.variablesOf(factor)) add(v);
     });
+    for (int v = 0; pivot < clique_ && v < clique_; ++v)
+      if (position_[v] > position_[pivot]) add(v);
   }
   for (int c = front.first_child; c >= 0; c = fronts_[c].next_sibling) {
     for (const int v : list(fronts_[c].rows)) add(v);

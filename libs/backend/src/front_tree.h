@@ -38,6 +38,10 @@ struct Front {
 
 class FrontTree {
  public:
+  /// From the next build() on the first `variables` variables are coupled with each other, factor
+  /// or not, and come last.
+  void setClique(int variables) { clique_ = variables; }
+  int clique() const { return clique_; }
   /// Orders all variables anew: nested dissection (minimum degree when there are few), with hubs
   /// that the newest factors touch at the end. Every front is dirty then.
   void build(const LiveProblem& problem, CholmodContext& context);
@@ -95,7 +99,7 @@ class FrontTree {
   std::vector<int> front_of_, position_, first_owned_;
   std::vector<int> next_owned_;
   std::vector<std::pair<int, int>> dirty_;  ///< min-heap of (key, front)
-  int next_position_ = 0;
+  int next_position_ = 0, clique_ = 0;
   // Scratch.
   std::vector<int> stamp_, rows_;
   int current_stamp_ = 0;

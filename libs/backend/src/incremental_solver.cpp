@@ -71,6 +71,7 @@ bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const No
   }
   removeMissing(graph);
   addNew(graph);
+  removed_edges_ = graph.nextEdgeId().value - graph.edgeCount();
   for (const NodeId node : moved) {
     const int v = problem_.variableOf(node);
     if (v < 0) continue;
@@ -80,6 +81,22 @@ bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const No
     takeState(v);
   }
   return mostly_new_;
+}
+
+bool IncrementalSolver::isPartOf(const CSceneGraph& graph) {
+  const auto& slots = graph.edgeSlots();
+  const auto is_there = [&](std::size_t i) {
+    const int f = problem_.factorOf({i});
+    return f < 0 || (i < slots.size() && slots[i] == problem_.edge(f));
+  };
+  // Ids are not used twice: without removals since, one edge speaks for all.
+  const std::size_t known = problem_.edgeSlots(),
+                    removed = graph.nextEdgeId().value - graph.edgeCount();
+  if (removed == removed_edges_ && known > 0) return is_there(known - 1);
+  for (std::size_t i = 0; i < known; ++i)
+    if (!is_there(i)) return false;
+  removed_edges_ = removed;
+  return true;
 }
 
 void IncrementalSolver::takeState(int v) {

@@ -35,6 +35,9 @@ class IncrementalSolver {
   /// (a free gauge, a cost that is not finite or that rises): restart() is then due.
   bool solve(OptimizationReport& report);
 
+  /// Whether every edge that the solver knows is still in the graph.
+  bool isPartOf(const CSceneGraph& graph);
+
   const LiveProblem& problem() const { return problem_; }
   const FrontFactor& factor() const { return factor_; }
   /// Of the variables that are alive.
@@ -59,6 +62,7 @@ class IncrementalSolver {
   bool step(OptimizationReport& report);
 
   SolverParams params_;
+  std::size_t removed_edges_ = 0;  ///< of the graph, in all its life, when it was last looked at
   CholmodContext context_;
   LiveProblem problem_;
   FrontFactor factor_;

@@ -8,6 +8,7 @@
 #include "marginals.h"
 #include "state_watch.h"
 #include "stopwatch.h"
+#include "windowed_solver.h"
 
 namespace dynemo {
 
@@ -28,7 +29,9 @@ struct Optimizer::Impl {
   IncrementalSolver incremental;
   StateWatch watch;
 
-  explicit Impl(const SolverParams& p) : params(p), incremental(p) {}
+  WindowedSolver windowed;
+
+  explicit Impl(const SolverParams& p) : params(p), incremental(p), windowed(p) {}
 
   /// Reuses the last analysis when nothing but numbers changed.
   Analysis& analyze(const Problem& problem, double& ordering_ms, double& symbolic_ms) {
@@ -48,6 +51,7 @@ struct Optimizer::Impl {
 
   void optimizeInBatch(CSceneGraph& graph, OptimizationReport& report);
   void optimizeIncrementally(CSceneGraph& graph, OptimizationReport& report);
+  void optimizeInWindow(CSceneGraph& graph, OptimizationReport& report);
   /// Brings the incremental factorisation up to the graph as it stands; false when there is none.
   bool isFactorized(const CSceneGraph& graph);
 };
@@ -118,6 +122,13 @@ void Optimizer::Impl::optimizeIncrementally(CSceneGraph& graph, OptimizationRepo
   }
 }
 
+void Optimizer::Impl::optimizeInWindow(CSceneGraph& graph, OptimizationReport& report) {
+  if (windowed.solve(graph, report)) return;
+  report = {};
+  optimizeInBatch(graph, report);
+  if (report.usable()) windowed.restart(graph);
+}
+
 bool Optimizer::Impl::isFactorized(const CSceneGraph& graph) {
   if (params.method != SolverParams::Method::kIncremental) return false;
   incremental.synchronize(graph, watch.moved(graph));
@@ -127,12 +138,16 @@ bool Optimizer::Impl::isFactorized(const CSceneGraph& graph) {
 OptimizationReport Optimizer::optimize(CSceneGraph& graph) {
   OptimizationReport report;
   const WallTimer timer(report.total_ms);
+  const PhaseTimer cpu_timer(report.cpu_ms);
   switch (impl_->params.method) {
     case SolverParams::Method::kBatch:
       impl_->optimizeInBatch(graph, report);
       break;
     case SolverParams::Method::kIncremental:
       impl_->optimizeIncrementally(graph, report);
+      break;
+    case SolverParams::Method::kWindowed:
+      impl_->optimizeInWindow(graph, report);
       break;
   }
   return report;
@@ -141,7 +156,10 @@ OptimizationReport Optimizer::optimize(CSceneGraph& graph) {
 OptimizationReport Optimizer::optimizeFully(CSceneGraph& graph) {
   OptimizationReport report;
   const WallTimer timer(report.total_ms);
+  const PhaseTimer cpu_timer(report.cpu_ms);
   impl_->optimizeInBatch(graph, report);
+  if (impl_->params.method == SolverParams::Method::kWindowed && report.usable())
+    impl_->windowed.restart(graph);
   return report;
 }
 
@@ -154,6 +172,10 @@ Expected<MatrixX, std::string> Optimizer::marginalCovariance(const CSceneGraph& 
     if (variables->empty()) return MatrixX(0, 0);
     return jointCovariance(problem, impl_->incremental.factor(), *variables);
   }
+  MatrixX joint;
+  if (impl_->params.method == SolverParams::Method::kWindowed &&
+      impl_->windowed.covariance(graph, nodes, joint))
+    return joint;
   const Problem problem(graph);
   const auto variables = variablesOf(problem, nodes);
   if (!variables) return make_unexpected(variables.error());

@@ -3,8 +3,9 @@
 namespace dynemo {
 
 void fields(FieldVisitor& v, SolverParams& p) {
-  v.choice("method", p.method, {"batch", "incremental"},
-           "At every keyframe: the whole graph to convergence, or one step over what changed");
+  v.choice("method", p.method, {"batch", "incremental", "windowed"},
+           "At every keyframe: the whole graph to convergence, one step over what changed, or the "
+           "newest keyframes at once and the whole map on a second thread");
   v.integer("max_iterations", p.max_iterations, "Most accepted steps of one optimisation",
             {1, 10000});
   v.number("min_relative_decrease", p.min_relative_decrease,
@@ -21,6 +22,11 @@ void fields(FieldVisitor& v, SolverParams& p) {
   v.number("propagate_above", p.propagate_above,
            "Incremental: changes up to this are not carried on to other nodes [m, rad]",
            Range::between(0.0, 1e-3));
+  v.integer("window_keyframes", p.window_keyframes,
+            "Windowed: the most keyframes that are answered before the whole map has been",
+            {2, 1000});
+  v.flag("second_thread", p.second_thread,
+         "Windowed: solve the whole map on a thread of its own; the results are the same");
 }
 
 const char* stopReasonName(StopReason reason) {

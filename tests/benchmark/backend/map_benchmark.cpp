@@ -1,7 +1,8 @@
 // What an optimisation of a map costs, in batch and at every keyframe while the map grows, beside
 // Ceres and MRPT. Times are those of the processor for the thread that answers.
 //
-// DYNEMO_BENCHMARK_KEYFRAMES sets the sizes of the maps, e.g. 100,500,2000,10000.
+// DYNEMO_BENCHMARK_KEYFRAMES sets the sizes of the maps, e.g. 100,500,2000,10000;
+// share/scripts/plot-performance.py makes share/doc/performance.md of the results.
 #include <cstdlib>
 #include <map>
 #include <sstream>
@@ -197,14 +198,19 @@ void BM_Marginals(benchmark::State& state, bool all_nodes) {
           count);
     };
     keyframe("batch", Method::kBatch, 2, 10);
-    keyframe("incremental", Method::kIncremental, 50, 100);
+    // Over so many that renewals of the elimination order and merges have their share.
+    const int warm_up = std::min(50, size / 4), count = std::min(100, size / 2);
+    keyframe("incremental", Method::kIncremental, warm_up, count);
+    keyframe("windowed", Method::kWindowed, warm_up, count);
     // Samples: at the largest sizes a keyframe takes them seconds.
     add("keyframe/ceres", size, BM_KeyframeCeres, 3);
     add("keyframe/mrpt", size, BM_KeyframeMrpt, 2);
-    if (size <= kLongestLife) {
+    for (const auto& [name, method] :
+         {std::pair<std::string, Method>{"incremental", Method::kIncremental},
+          {"windowed", Method::kWindowed}}) {
+      if (size > kLongestLife) break;
       add(
-          "life/incremental", size, [](benchmark::State& s) { BM_Life(s, Method::kIncremental); },
-          1);
+          "life/" + name, size, [m = method](benchmark::State& s) { BM_Life(s, m); }, 1);
     }
     add("marginals_of_one", size, [](benchmark::State& s) { BM_Marginals(s, false); });
     add("marginals_of_all", size, [](benchmark::State& s) { BM_Marginals(s, true); });

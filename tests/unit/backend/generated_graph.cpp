@@ -129,6 +129,8 @@ void GeneratedWorld::observe(const CSceneGraph& graph, EntityId entity, const Po
 
 void GeneratedWorld::constrainAgent(const CSceneGraph& graph, const CNodeEntity& newest,
                                     GraphDelta& delta) {
+  // Nobody walks from the last storey to the first in a second.
+  if (params_.storeys > 0 && k_ >= 2 && floorAt(k_ - 2) != floorAt(k_)) return;
   const auto it = graph.tracks().find(newest.entity);
   if (it == graph.tracks().end()) return;
   const auto& track = it->second;

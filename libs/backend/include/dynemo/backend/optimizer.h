@@ -16,8 +16,9 @@ namespace dynemo {
 
 struct SolverParams {
   enum class Method {
-    kBatch,       ///< everything at every call, to convergence
-    kIncremental  ///< one step over what the change touches
+    kBatch,        ///< everything at every call, to convergence
+    kIncremental,  ///< one step over what the change touches
+    kWindowed      ///< the newest keyframes at once, the whole map on a second thread
   } method = Method::kIncremental;
   int max_iterations = 50;
   /// Stop when an accepted step lowers the cost by less than this fraction.
@@ -28,7 +29,11 @@ struct SolverParams {
   /// Incremental: distance from its linearisation at which a node is linearised anew [m, rad].
   double relinearize_above = 0.01;
   /// Incremental: changes up to this are not carried on to other nodes [m, rad].
-  double propagate_above = 1e-5;
+  double propagate_above = 1e-4;
+  /// Windowed: the most keyframes that are answered before the whole map has been.
+  int window_keyframes = 40;
+  /// Windowed: whether the whole map is solved on a thread of its own. The results are the same.
+  bool second_thread = true;
 };
 void fields(FieldVisitor& v, SolverParams& p);
 
@@ -42,7 +47,9 @@ struct OptimizationReport {
   int factorizations = 0;
   double cost_before = 0.0, cost_after = 0.0;  ///< F = ½ Σ ρ(eᵀΩe)
   std::size_t nodes = 0, edges = 0, tangent_size = 0;
-  double ordering_ms = 0, symbolic_ms = 0, linearize_ms = 0, numeric_ms = 0, solve_ms = 0, total_ms = 0;
+  /// Of the processor, in the thread that called: the phases, and all.
+  double ordering_ms = 0, symbolic_ms = 0, linearize_ms = 0, numeric_ms = 0, solve_ms = 0, cpu_ms = 0;
+  double total_ms = 0;          ///< on the wall
   std::string message;          ///< why it failed, naming the node or edge; empty otherwise
   bool usable() const { return stop != StopReason::kNumericalFailure; }
 };
@@ -62,9 +69,9 @@ class Optimizer {
   /// The same in batch, to convergence, whatever the method.
   OptimizationReport optimizeFully(CSceneGraph& graph);
 
-  /// Joint marginal covariance of the nodes' tangents at the current estimates (incremental: at the linearisation
-  /// that the last step used), stacked in the order given. The
-  /// failure says why, e.g. that the gauge is free.
+  /// Joint marginal covariance of the nodes' tangents at the current estimates (incremental, windowed: at the
+  /// linearisation that the last step used), stacked in the order given. The failure says why, e.g. that the gauge is
+  /// free.
   Expected<MatrixX, std::string> marginalCovariance(const CSceneGraph& graph, std::span<const NodeId> nodes);
 
   /// The diagonal blocks only, for many nodes at once, in the order given.

@@ -56,7 +56,7 @@ class RunFolder {
   std::string config_yaml_;
   AppendFile log_, timing_, optimizations_, loops_;
   std::size_t optimizations_written_ = 0, loops_written_ = 0;
-  double optimization_ms_ = 0;
+  double optimization_ms_ = 0, optimization_cpu_ms_ = 0;
   std::vector<FrameTiming> timings_;
 };
 

@@ -1,0 +1,177 @@
+#include "window_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "front_marginals.h"
+#include "stopwatch.h"
+
+namespace dynemo::backend {
+namespace {
+
+constexpr int kMaxSteps = 5;
+/// Difference between cost and model, relative to the cost, that asks for another step.
+constexpr double kNonlinearity = 3e-4;
+constexpr double kCostRounding = 1e-9;
+
+}  // namespace
+
+void WindowSolver::reset(const IncrementalSolver& map, EdgeId edges) {
+  prior_.reset(map);
+  begin_ = end_ = edges;
+  problem_ = LiveProblem();
+  touched_states_.clear();
+  offset_.resize(0);
+  written_.clear();
+}
+
+bool WindowSolver::takeEdges(const CSceneGraph& graph) {
+  const LiveProblem& map = prior_.map().problem();
+  for (std::size_t i = end_.value; i < graph.edgeSlots().size(); ++i) {
+    if (!graph.edgeSlots()[i]) continue;
+    for (const NodeId node : graph.edgeSlots()[i]->nodes) {
+      const int v = map.variableOf(node);
+      if (v < 0) continue;
+      const std::size_t before = prior_.nodes().size();
+      if (!prior_.touch(node)) return false;
+      if (prior_.nodes().size() == before) continue;
+      touched_states_.emplace_back(map.estimate(v), map.estimate(v) + map.node(v)->stateSize());
+      offset_.conservativeResizeLike(VectorX::Zero(prior_.size()));
+    }
+  }
+  end_ = graph.nextEdgeId();
+  return true;
+}
+
+bool WindowSolver::collect(const CSceneGraph& graph) {
+  if (!takeEdges(graph)) return false;
+  edge_count_ = graph.edgeCount();
+  problem_ = LiveProblem();
+  // The touched nodes come first: their tangents are those of the prior, in its order.
+  for (std::size_t i = 0; i < prior_.nodes().size(); ++i)
+    problem_.addVariable(graph.nodeSlots()[prior_.nodes()[i].value], touched_states_[i].data());
+  for (std::size_t i = begin_.value; i < graph.edgeSlots().size(); ++i) {
+    const auto& edge = graph.edgeSlots()[i];
+    if (!edge) continue;
+    for (const NodeId node : edge->nodes) {
+      if (problem_.variableOf(node) < 0) problem_.addVariable(graph.nodeSlots()[node.value]);
+    }
+    problem_.addFactor(edge);
+  }
+  factor_.tree().setClique(static_cast<int>(prior_.nodes().size()));
+  factor_.build(problem_, context_);
+  return true;
+}
+
+bool WindowSolver::factorize() {
+  const VectorX gradient = prior_.information() * offset_;
+  return !factor_.factorize(problem_, {&prior_.information(), &gradient});
+}
+
+double WindowSolver::priorCost(const VectorX& offset) const {
+  return 0.5 * offset.dot(prior_.information() * offset);
+}
+
+double WindowSolver::cost() const {
+  const Eigen::Map<const VectorX> delta(problem_.delta(0), prior_.size());
+  return problem_.cost() + priorCost(offset_ + delta);
+}
+
+void WindowSolver::step() {
+  for (const int v : factor_.solve(problem_, 0.0)) problem_.updateEstimate(v);
+  for (int f = 0; f < problem_.factors(); ++f) problem_.updateCost(f);
+}
+
+bool WindowSolver::iterate(OptimizationReport& report) {
+  for (int i = 0; i < kMaxSteps; ++i) {
+    if (i > 0) {
+      offset_ += Eigen::Map<const VectorX>(problem_.delta(0), prior_.size());
+      for (int v = 0; v < problem_.variables(); ++v) problem_.relinearize(v);
+      for (int f = 0; f < problem_.factors(); ++f) factor_.tree().touchFactor(problem_, f);
+    }
+    {
+      const PhaseTimer timer(report.numeric_ms);
+      if (!factorize()) return false;
+    }
+    ++report.factorizations;
+    const PhaseTimer timer(report.solve_ms);
+    const double start = problem_.linearizedCost() + priorCost(offset_);
+    if (i == 0) report.cost_before = start;
+    step();
+    ++report.iterations;
+    report.cost_after = cost();
+    if (!std::isfinite(report.cost_after)) return false;
+    const double model = start - factor_.modelDecrease();
+    if (std::abs(report.cost_after - model) <= kNonlinearity * report.cost_after) break;
+  }
+  return report.cost_after <= report.cost_before * (1.0 + kCostRounding) + kCostRounding;
+}
+
+bool WindowSolver::solve(CSceneGraph& graph, OptimizationReport& report) {
+  written_.clear();
+  {
+    const PhaseTimer timer(report.ordering_ms);
+    if (!collect(graph)) return false;
+  }
+  report.nodes = static_cast<std::size_t>(problem_.variables());
+  report.edges = static_cast<std::size_t>(problem_.factors());
+  report.tangent_size = static_cast<std::size_t>(problem_.tangentSize());
+  if (report.edges == 0) {
+    report.stop = StopReason::kNothingToDo;
+    return true;
+  }
+  if (!iterate(report)) return false;
+  offset_ += Eigen::Map<const VectorX>(problem_.delta(0), prior_.size());
+  for (int v = 0; v < problem_.variables(); ++v) {
+    const std::size_t size = static_cast<std::size_t>(problem_.node(v)->stateSize());
+    if (v < static_cast<int>(touched_states_.size()))
+      touched_states_[static_cast<std::size_t>(v)].assign(problem_.estimate(v),
+                                                          problem_.estimate(v) + size);
+    written_.push_back(problem_.node(v)->id);
+    graph.setState(written_.back(), problem_.estimate(v));
+  }
+  report.stop = StopReason::kConverged;
+  return true;
+}
+
+bool WindowSolver::covariance(const CSceneGraph& graph, std::span<const NodeId> nodes,
+                              MatrixX& joint) {
+  if (end_ != graph.nextEdgeId() || edge_count_ != graph.edgeCount()) {
+    if (!collect(graph) || !factorize()) return false;
+  }
+  const LiveProblem& map = prior_.map().problem();
+  // Each node's tangent as a linear function of the window's (columns), and what the window does
+  // not know of it: x = Σ_xt Σ_tt⁻¹ t + rest.
+  std::vector<int> begin = {0};
+  for (const NodeId node : nodes) {
+    const int w = problem_.variableOf(node), v = map.variableOf(node);
+    if (w < 0 && v < 0) return false;
+    begin.push_back(begin.back() + (w >= 0 ? problem_.tangentSize(w) : map.tangentSize(v)));
+  }
+  MatrixX functions = MatrixX::Zero(problem_.tangentSize(), begin.back());
+  std::vector<MapPrior::Other> others(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const int w = problem_.variableOf(nodes[i]), size = begin[i + 1] - begin[i];
+    if (w >= 0) {
+      functions.block(problem_.tangentOffset(w), begin[i], size, size).setIdentity();
+      continue;
+    }
+    others[i] = prior_.other(nodes[i]);
+    functions.block(0, begin[i], prior_.size(), size) =
+        prior_.information() * others[i].with_touched;
+  }
+  joint = problem_.factors() > 0 ? quadraticForm(problem_, factor_, functions)
+                                 : MatrixX::Zero(begin.back(), begin.back());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (std::size_t j = 0; j < nodes.size(); ++j) {
+      if (others[i].columns.fronts.empty() || others[j].columns.fronts.empty()) continue;
+      joint.block(begin[i], begin[j], begin[i + 1] - begin[i], begin[j + 1] - begin[j]) +=
+          backend::covariance(others[i].columns, others[j].columns) -
+          others[i].with_touched.transpose() *
+              functions.block(0, begin[j], prior_.size(), begin[j + 1] - begin[j]);
+    }
+  }
+  return true;
+}
+
+}  // namespace dynemo::backend
