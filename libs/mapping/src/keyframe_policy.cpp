@@ -7,6 +7,10 @@ namespace dynemo {
 void fields(FieldVisitor& v, KeyframeParams& p) {
   v.choice("mode", p.mode, {"baseline", "dynamic"},
            "Robot motion only, or also new and moved entities");
+  v.choice(
+      "deskew", p.deskew, {"none", "past", "next_frame"},
+      "Motion that straightens a keyframe's sweep, where its odometry did not measure it: none, "
+      "since the last frame, or until the next, for which the keyframe waits");
   v.number("robot_translation_m", p.robot_translation_m,
            "Eq. (1): robot translation since the last keyframe", Range::positive());
   v.angle("robot_rotation_deg", p.robot_rotation_rad,

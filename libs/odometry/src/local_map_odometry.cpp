@@ -55,6 +55,7 @@ class LocalMapOdometry final : public ScanOdometry {
   Expected<OdometryEstimate, OdometryFailure> update(
       const Scan& scan, const std::optional<OdometryState>& rawlog_odometry,
       std::span<const std::uint32_t> ignored) override;
+  bool measuresSweepMotion() const override { return params_.deskew; }
 
  private:
   struct Predicted {

@@ -98,6 +98,7 @@ class FrontEndCache::Odometry : public ScanOdometry {
     record(scan.stamp, result);
     return result;
   }
+  bool measuresSweepMotion() const override { return inner_->measuresSweepMotion(); }
 
  private:
   void record(Stamp stamp, const Expected<OdometryEstimate, OdometryFailure>& result) {

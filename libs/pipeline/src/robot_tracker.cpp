@@ -4,6 +4,7 @@
 #include "dynemo/mapping/ground_plane.h"
 #include "dynemo/mapping/localize.h"
 #include "dynemo/odometry/deskew.h"
+#include "dynemo/odometry/point_times.h"
 
 namespace dynemo {
 namespace {
@@ -77,6 +78,11 @@ void RobotTracker::estimateFromScan(SensorFrame& frame, std::span<const std::uin
   if (scan_covariance_) {
     const Matrix6 A = composeJacobianLeft(estimate->T_prev_base);
     scan_covariance_ = A * *scan_covariance_ * A.transpose() + estimate->covariance;
+    if (!scan_odometry_->measuresSweepMotion()) {
+      const double sweep_s = 2.0 * middleOfSweep(frame.scan->cloud);
+      *scan_covariance_ +=
+          distortionCovariance(sweep_s * estimate->motion.twist.vector(), params_.noise);
+    }
   }
 }
 
@@ -96,18 +102,16 @@ Pose3 RobotTracker::locate(const SensorFrame& frame,
     const Pose3 T_last_base = last_T_odom_base_->inverse() * T_odom_base;
     path_m_ += T_last_base.t.norm();
     path_rad_ += rotationAngle(T_last_base);
-    if (!scan_odometry_)
-      motion_ = steadyMotion(T_last_base, secondsBetween(last_stamp_, frame.stamp));
+    mean_motion_ = steadyMotion(T_last_base, secondsBetween(last_stamp_, frame.stamp));
+    if (!scan_odometry_) motion_ = mean_motion_;
   }
   last_T_odom_base_ = T_odom_base;
   last_stamp_ = frame.stamp;
   return T_odom_base;
 }
 
-Scan RobotTracker::still(const Scan& scan) const {
-  Scan result = scan;
-  if (motion_) result.cloud = deskew(scan.cloud, scan.T_base_lidar, *motion_, 0.0);
-  return result;
+bool RobotTracker::knowsSweepMotion() const {
+  return motion_ && scan_odometry_ && scan_odometry_->measuresSweepMotion();
 }
 
 Matrix6 RobotTracker::covarianceSinceKeyframe(const SensorFrame& frame,

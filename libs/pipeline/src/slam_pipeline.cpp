@@ -1,12 +1,24 @@
 #include "dynemo/pipeline/slam_pipeline.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "dynemo/loops/without_closures.h"
 #include "dynemo/mapping/ground_plane.h"
+#include "dynemo/odometry/deskew.h"
 #include "dynemo/perception/fragments.h"
 
 namespace dynemo {
+namespace {
+
+/// As a robot at rest at the scan's stamp would have measured it.
+Scan still(const Scan& scan, const SweepMotion& motion) {
+  Scan result = scan;
+  result.cloud = deskew(scan.cloud, scan.T_base_lidar, motion, 0.0);
+  return result;
+}
+
+}  // namespace
 
 SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& models,
                            bool rawlog_odometry)
@@ -36,16 +48,38 @@ void SlamPipeline::process(SensorFrame frame, FrameTiming& timing) {
   // Front-end: the robot's motion, the entities in view, and whether the situation changed (Sec.
   // III).
   auto observations = look(frame, timing);
-  const RobotState robot = locate(frame, observations, timing);
+  const Pose3 T_odom_base = locate(frame, observations, timing);
+  addWaiting(timing);
+  const RobotState robot{T_odom_base, graph_.T_map_odom * T_odom_base};
   const std::uint32_t reasons = decide(frame, robot, observations, timing);
+  if (reasons == 0) return record(frame, robot);
 
-  // Back-end: nodes and constraints of the new keyframe, then everything jointly (Sec. IV).
-  if (reasons != 0) {
-    map(select(frame, robot, reasons, std::move(observations), timing), timing);
-    closeLoops(timing);
-    optimize(frame, timing);
+  Chosen chosen = choose(std::move(frame), robot, reasons, std::move(observations));
+  if (waitsForNext(chosen)) {
+    waiting_ = std::move(chosen);
+  } else {
+    add(std::move(chosen), timing);
   }
-  record(frame, robot);
+}
+
+// Back-end: nodes and constraints of the new keyframe, then everything jointly (Sec. IV).
+void SlamPipeline::add(Chosen chosen, FrameTiming& timing) {
+  map(select(chosen, timing), timing);
+  closeLoops(timing);
+  optimize(chosen.frame, timing);
+  record(chosen.frame, chosen.robot);
+}
+
+void SlamPipeline::addWaiting(FrameTiming& timing) {
+  if (!waiting_) return;
+  Chosen chosen = *std::exchange(waiting_, std::nullopt);
+  if (tracker_.motionSinceLast()) chosen.motion = tracker_.motionSinceLast();
+  add(std::move(chosen), timing);
+}
+
+bool SlamPipeline::waitsForNext(const Chosen& chosen) const {
+  return params_.keyframes.deskew == KeyframeDeskew::kNextFrame && chosen.frame.scan &&
+         !chosen.frame.scan->cloud.time_offset_s.empty() && !tracker_.knowsSweepMotion();
 }
 
 std::vector<EntityObservation> SlamPipeline::look(SensorFrame& frame, FrameTiming& timing) {
@@ -80,12 +114,11 @@ std::vector<EntityObservation> SlamPipeline::detect(const SensorFrame& frame, Fr
   return all;
 }
 
-SlamPipeline::RobotState SlamPipeline::locate(const SensorFrame& frame,
-                                              const std::vector<EntityObservation>& observations,
-                                              FrameTiming& timing) {
+Pose3 SlamPipeline::locate(const SensorFrame& frame,
+                           const std::vector<EntityObservation>& observations,
+                           FrameTiming& timing) {
   const ScopedStage stage(timing, Stage::kOdometry);
-  const Pose3 T_odom_base = tracker_.locate(frame, observations, graph_);
-  return {T_odom_base, graph_.T_map_odom * T_odom_base};
+  return tracker_.locate(frame, observations, graph_);
 }
 
 std::uint32_t SlamPipeline::decide(const SensorFrame& frame, const RobotState& robot,
@@ -95,31 +128,39 @@ std::uint32_t SlamPipeline::decide(const SensorFrame& frame, const RobotState& r
   return policy_.decide({frame.stamp, robot.T_odom_base, robot.T_map_base, observations}, graph_);
 }
 
-KeyframeData SlamPipeline::select(const SensorFrame& frame, const RobotState& robot,
-                                  std::uint32_t reasons,
-                                  std::vector<EntityObservation> observations,
-                                  FrameTiming& timing) {
-  KeyframeData keyframe;
-  keyframe.stamp = frame.stamp;
-  keyframe.frame_index = frame.index;
-  keyframe.reasons = reasons;
-  keyframe.T_odom_base = robot.T_odom_base;
-  keyframe.T_map_base = robot.T_map_base;
-  keyframe.odometry_covariance = tracker_.covarianceSinceKeyframe(frame, graph_);
+SlamPipeline::Chosen SlamPipeline::choose(SensorFrame frame, const RobotState& robot,
+                                          std::uint32_t reasons,
+                                          std::vector<EntityObservation> observations) {
+  const Matrix6 odometry_covariance = tracker_.covarianceSinceKeyframe(frame, graph_);
   tracker_.keyframeMade(frame);
+  return {std::move(frame),      robot, reasons, std::move(observations), odometry_covariance,
+          tracker_.sweepMotion()};
+}
 
-  if (frame.scan) {
-    keyframe.scan = std::make_shared<const Scan>(tracker_.still(*frame.scan));
+KeyframeData SlamPipeline::select(Chosen& chosen, FrameTiming& timing) {
+  KeyframeData keyframe;
+  keyframe.stamp = chosen.frame.stamp;
+  keyframe.frame_index = chosen.frame.index;
+  keyframe.reasons = chosen.reasons;
+  keyframe.T_odom_base = chosen.robot.T_odom_base;
+  keyframe.T_map_base = chosen.robot.T_map_base;
+  keyframe.odometry_covariance = chosen.odometry_covariance;
+
+  if (chosen.frame.scan) {
+    keyframe.scan = std::make_shared<const Scan>(
+        params_.keyframes.deskew != KeyframeDeskew::kNone && chosen.motion
+            ? still(*chosen.frame.scan, *chosen.motion)
+            : *chosen.frame.scan);
     {
       const ScopedStage stage(timing, Stage::kFragments);
       keyframe.fragments =
-          extractFragments(*keyframe.scan, observations, params_.perception.fragments);
+          extractFragments(*keyframe.scan, chosen.observations, params_.perception.fragments);
     }
     const ScopedStage stage(timing, Stage::kPlanes);
     seePlanes(*keyframe.scan, keyframe);
   }
   const ScopedStage stage(timing, Stage::kMapping);
-  if (params_.mapping.keyframe_entity) keyframe.observations = std::move(observations);
+  if (params_.mapping.keyframe_entity) keyframe.observations = std::move(chosen.observations);
   associate(keyframe);
   return keyframe;
 }
@@ -219,6 +260,8 @@ void SlamPipeline::record(const SensorFrame& frame, const RobotState& robot) {
 }
 
 void SlamPipeline::finish() {
+  FrameTiming untold;
+  addWaiting(untold);
   if (graph_.keyframes().empty()) return;
   settleLoops();
   updateTrajectory();

@@ -95,6 +95,14 @@ TEST_P(ScanOdometries, RefusesEmptyScansAndRepeatedStamps) {
 
 INSTANTIATE_TEST_SUITE_P(All, ScanOdometries, ::testing::ValuesIn(scanOdometries().names()));
 
+TEST(ScanOdometryKinds, OnlyThoseThatDeskewMeasureTheMotionInASweep) {
+  OdometryParams params;
+  EXPECT_TRUE(scanOdometries().make("local_map", params)->measuresSweepMotion());
+  EXPECT_FALSE(scanOdometries().make("keyframe_gicp", params)->measuresSweepMotion());
+  params.local_map.deskew = false;
+  EXPECT_FALSE(scanOdometries().make("local_map", params)->measuresSweepMotion());
+}
+
 TEST(OdometryParams, RoundTripThroughYaml) {
   OdometryParams params;
   params.local_map.registration.kernel_m = 0.07;

@@ -127,37 +127,45 @@ TEST(RobotTracker, LidarOdometryIsCarriedToTheStampsOfImagesAndDetections) {
   EXPECT_NEAR(frame.detections[0].odometry->T_odom_base.t.x(), 0.37, kTolerance_m);
 }
 
-TEST(RobotTracker, SweepsAreStraightenedByTheRecordedMotion) {
-  const test::World room = {{test::Box{Pose3::translation(0, 0, 1), Vector3(6, 4, 1)}}};
-  const test::Trajectory turn = [](double t) {
-    return Pose3::fromYawPitchRoll(t, 0.2, 0.8, 0.9 * t, 0, 0);
-  };
-  test::LidarModel lidar;
-  lidar.rows = 8;
-  lidar.columns = 180;
-  lidar.sigma_m = 0.0;
-  std::mt19937_64 random(1);
-  const auto largestError = [&](const Scan& scan) {
-    double largest_m = 0.0;
-    for (const auto& point : scan.cloud.points) {
-      const Vector3 p = turn(0.1) * (scan.T_base_lidar * point.cast<double>());
-      const Vector3 to_faces = Vector3(6, 4, 1) - (p - Vector3(0, 0, 1)).cwiseAbs();
-      largest_m = std::max(largest_m, to_faces.cwiseAbs().minCoeff());
-    }
-    return largest_m;
-  };
+TEST(RobotTracker, KnowsTheRecordedMotionSinceTheLastFrame) {
   RobotTracker tracker(withSource(OdometrySource::kRawlog), true);
-  for (const double t : {0.0, 0.1}) {
-    SensorFrame frame = frameAt(t, turn(0.0).inverse() * turn(t));
-    frame.scan = test::sweep(room, lidar, turn, t, random);
-    frame.scan->stamp = frame.stamp;
-    tracker.locate(frame, {}, CSceneGraph());
-    if (t == 0.0) continue;
-    EXPECT_GT(largestError(*frame.scan), 0.1);
-    const Scan still = tracker.still(*frame.scan);
-    EXPECT_LT(largestError(still), 0.01);
-    EXPECT_EQ(still.cloud.size(), frame.scan->cloud.size());
-  }
+  const Pose3 T_0_1 = Pose3::fromYawPitchRoll(0.1, 0.02, 0.0, 0.09, 0, 0);
+  tracker.locate(frameAt(0.0, Pose3()), {}, CSceneGraph());
+  EXPECT_FALSE(tracker.motionSinceLast());
+  tracker.locate(frameAt(0.1, T_0_1), {}, CSceneGraph());
+  ASSERT_TRUE(tracker.motionSinceLast() && tracker.sweepMotion());
+  EXPECT_LT(local(T_0_1, tracker.motionSinceLast()->at(0.1)).norm(), 1e-9);
+  EXPECT_LT(local(T_0_1, tracker.sweepMotion()->at(0.1)).norm(), 1e-9);
+  EXPECT_FALSE(tracker.knowsSweepMotion());
+  // Too long ago to tell how the robot moves.
+  tracker.locate(frameAt(2.0, T_0_1), {}, CSceneGraph());
+  EXPECT_FALSE(tracker.motionSinceLast());
+}
+
+TEST(RobotTracker, MovingSweepsRegisteredAsTheyAreMakeTheOdometryLessCertain) {
+  RobotOdometryParams params = withSource(OdometrySource::kLidar);
+  params.lidar.method = "keyframe_gicp";
+  const auto sigma_m = [&](bool timed) {
+    RobotTracker tracker(params, false);
+    SensorFrame frame;
+    for (int i = 0; i <= 3; ++i) {
+      frame = scanFrame(0.1 * i, Pose3::translation(0.1 * i, 0, 0));
+      auto& times_s = frame.scan->cloud.time_offset_s;
+      if (timed) times_s.assign(frame.scan->cloud.size(), 0.05F);
+      if (timed) times_s.front() = 0.0F, times_s.back() = 0.1F;
+      tracker.estimate(frame);
+      tracker.locate(frame, {}, CSceneGraph());
+      if (i == 0) tracker.keyframeMade(frame);
+    }
+    return std::sqrt(tracker.covarianceSinceKeyframe(frame, CSceneGraph())
+                         .topLeftCorner<3, 3>()
+                         .diagonal()
+                         .minCoeff());
+  };
+  // Three sweeps of 0.1 m.
+  const double expected_m = std::sqrt(3.0) * 0.1 * params.noise.distortion_m_per_m;
+  EXPECT_GT(sigma_m(true), 0.9 * expected_m);
+  EXPECT_LT(sigma_m(false), 0.5 * expected_m);
 }
 
 TEST(RobotTracker, PredictsWhereTheNextScanIsTaken) {

@@ -4,6 +4,7 @@
 
 #include "dynemo/core/error.h"
 #include "frames.h"
+#include "synthetic_world.h"
 
 namespace dynemo {
 namespace {
@@ -144,6 +145,55 @@ TEST(SlamPipeline, NothingIsDoneWithoutFrames) {
   pipeline.finish();
   pipeline.updateTrajectory();
   EXPECT_TRUE(pipeline.frames().empty());
+}
+
+/// A robot in a room that begins to turn, by a LiDAR that takes a tenth of a second for a sweep.
+class TurningRobot : public testing::Test {
+ protected:
+  static Pose3 poseAt(double t) {
+    const double since_s = std::max(0.0, t - 0.15);
+    return Pose3::fromYawPitchRoll(0.3 * t, 0.2, 0.8, 1.2 * since_s, 0, 0);
+  }
+
+  /// Largest distance of the points of the second frame's keyframe from the room's faces.
+  double largestError(KeyframeDeskew deskew) const {
+    DynemoParams params = externalOnly();
+    params.keyframes.deskew = deskew;
+    params.keyframes.robot_translation_m = 0.01;
+    const EntityModels models;
+    SlamPipeline pipeline(params, models, true);
+    test::LidarModel lidar;
+    lidar.rows = 8;
+    lidar.columns = 180;
+    lidar.sigma_m = 0.0;
+    std::mt19937_64 random(1);
+    for (const double t : {0.0, 0.1, 0.2, 0.3}) {
+      SensorFrame frame = frameAt(t, poseAt(0.0).inverse() * poseAt(t));
+      frame.scan = test::sweep(room_, lidar, poseAt, t, random);
+      frame.scan->stamp = frame.stamp;
+      process(pipeline, std::move(frame));
+    }
+    pipeline.finish();
+    EXPECT_EQ(pipeline.frames().size(), 4u);
+    EXPECT_EQ(pipeline.graph().keyframes().size(), 4u);
+    double largest_m = 0.0;
+    const Scan& scan = *pipeline.graph().keyframes()[2]->scan;
+    for (const auto& point : scan.cloud.points) {
+      const Vector3 p = poseAt(0.2) * (scan.T_base_lidar * point.cast<double>());
+      const Vector3 to_faces = kHalf - (p - Vector3(0, 0, 1)).cwiseAbs();
+      largest_m = std::max(largest_m, to_faces.cwiseAbs().minCoeff());
+    }
+    return largest_m;
+  }
+
+  const Vector3 kHalf{6, 4, 1};
+  const test::World room_ = {{test::Box{Pose3::translation(0, 0, 1), kHalf}}};
+};
+
+TEST_F(TurningRobot, SweepsAreStraightenedByTheMotionUntilTheNextFrame) {
+  EXPECT_LT(largestError(KeyframeDeskew::kNextFrame), 0.01);
+  EXPECT_GT(largestError(KeyframeDeskew::kPast), 0.1);
+  EXPECT_GT(largestError(KeyframeDeskew::kNone), 0.2);
 }
 
 TEST(SlamPipeline, APrefilterMustBeAKnownOne) {

@@ -13,9 +13,18 @@ namespace dynemo {
 
 enum class KeyframeMode { kBaseline, kDynamic };
 
+/// By which motion the points of a keyframe's sweep are carried to its stamp, where its odometry
+/// has not measured that motion itself.
+enum class KeyframeDeskew {
+  kNone,
+  kPast,      ///< since the last frame: it lags behind by a sweep
+  kNextFrame  ///< until the next frame, which the keyframe waits for
+};
+
 struct KeyframeParams {
   /// Baseline: robot motion only. Dynamic: also new and moved entities.
   KeyframeMode mode = KeyframeMode::kDynamic;
+  KeyframeDeskew deskew = KeyframeDeskew::kNextFrame;
   /// δ_R of Eq. (1), translation and rotation tested separately.
   double robot_translation_m = 0.75;
   double robot_rotation_rad = 0.3490658503988659;  // 20°

@@ -74,6 +74,11 @@ class ScanOdometry {
   virtual Expected<OdometryEstimate, OdometryFailure> update(
       const Scan& scan, const std::optional<OdometryState>& rawlog_odometry,
       std::span<const std::uint32_t> ignored = {}) = 0;
+
+  /// Whether the motion of an estimate comes from the sweep itself, whose points are then taken at
+  /// their own times. Else it is the mean motion since the last sweep, and sweeps are registered as
+  /// if measured at one instant.
+  virtual bool measuresSweepMotion() const { return false; }
 };
 
 /// Methods by name: "local_map", "keyframe_gicp".

@@ -41,9 +41,12 @@ class RobotTracker {
   Pose3 locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations,
                const CSceneGraph& graph);
 
-  /// A frame's scan as a robot at rest at its stamp would have measured it, by the motion that
-  /// locate() of the same frame knows of; as it is when it has no point times.
-  Scan still(const Scan& scan) const;
+  /// Motion during the sweep of the frame that was located last, as far as it is known by then.
+  const std::optional<SweepMotion>& sweepMotion() const { return motion_; }
+  /// Whether that was found in the sweep itself: else the next frame tells more of it.
+  bool knowsSweepMotion() const;
+  /// Mean motion from the frame before to the frame that was located last.
+  const std::optional<SweepMotion>& motionSinceLast() const { return mean_motion_; }
 
   /// Covariance of the right tangent of the motion since the last keyframe, for a keyframe made of
   /// this frame.
@@ -80,6 +83,7 @@ class RobotTracker {
   std::optional<Pose3> last_T_odom_base_;
   Stamp last_stamp_;
   std::optional<SweepMotion> motion_;  ///< during the present sweep
+  std::optional<SweepMotion> mean_motion_;
   std::optional<OdometryState> keyframe_odometry_;
   /// LiDAR odometry: covariance accumulated since the last keyframe; empty when a scan failed in
   /// between.

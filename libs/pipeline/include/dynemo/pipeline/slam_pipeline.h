@@ -39,7 +39,9 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   /// pipeline.
   void useCache(FrontEndCache& cache);
 
-  /// Takes the next frame, in order of time. `timing` already holds what the ingest took.
+  /// Takes the next frame, in order of time. A frame that becomes a keyframe may be added to the
+  /// graph with the next call only, or with finish(): see KeyframeDeskew. `timing` already holds
+  /// what the ingest took.
   void process(SensorFrame frame, FrameTiming& timing);
 
   /// Final optimisation, trajectory and covariances. More frames may follow.
@@ -69,18 +71,34 @@ class SlamPipeline : public mrpt::system::COutputLogger {
     Pose3 T_map_base;  ///< predicted from the odometry and the drift so far
   };
 
+  /// A frame that becomes a keyframe.
+  struct Chosen {
+    SensorFrame frame;
+    RobotState robot;
+    std::uint32_t reasons = 0;
+    std::vector<EntityObservation> observations;
+    Matrix6 odometry_covariance = Matrix6::Identity();
+    std::optional<SweepMotion> motion;  ///< during its sweep
+  };
+
   /// The robot's motion and the entities in view: in this order, except where the motion is to be
   /// found without the points on agents.
   std::vector<EntityObservation> look(SensorFrame& frame, FrameTiming& timing);
   void estimateMotion(SensorFrame& frame, const PointIndices& ignored, FrameTiming& timing);
   std::vector<EntityObservation> detect(const SensorFrame& frame, FrameTiming& timing);
-  RobotState locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations,
-                    FrameTiming& timing);
+  /// T_odom_base.
+  Pose3 locate(const SensorFrame& frame, const std::vector<EntityObservation>& observations,
+               FrameTiming& timing);
   std::uint32_t decide(const SensorFrame& frame, const RobotState& robot,
                        const std::vector<EntityObservation>& observations, FrameTiming& timing);
   void record(const SensorFrame& frame, const RobotState& robot);
-  KeyframeData select(const SensorFrame& frame, const RobotState& robot, std::uint32_t reasons,
-                      std::vector<EntityObservation> observations, FrameTiming& timing);
+  Chosen choose(SensorFrame frame, const RobotState& robot, std::uint32_t reasons,
+                std::vector<EntityObservation> observations);
+  /// Whether the next frame tells more of how the robot moved during the sweep.
+  bool waitsForNext(const Chosen& chosen) const;
+  void addWaiting(FrameTiming& timing);
+  void add(Chosen chosen, FrameTiming& timing);
+  KeyframeData select(Chosen& chosen, FrameTiming& timing);
   void map(const KeyframeData& keyframe, FrameTiming& timing);
   void closeLoops(FrameTiming& timing);
   void optimize(const SensorFrame& frame, FrameTiming& timing);
@@ -105,6 +123,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   Optimizer optimizer_;
 
   CSceneGraph graph_;
+  std::optional<Chosen> waiting_;  ///< until the motion to the next frame is known
   std::vector<FramePose> frames_;
   std::vector<std::size_t>
       keyframe_of_frame_;  ///< index of the latest keyframe at or before each frame
