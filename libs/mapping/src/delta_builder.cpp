@@ -38,6 +38,9 @@ void fields(FieldVisitor& v, MappingParams& p) {
   v.section("motion", p.motion, "Motion models by semantic class");
   v.number("anchor_sigma_m", p.anchor_sigma_m, "Prior of the first keyframe", Range::positive());
   v.angle("anchor_sigma_deg", p.anchor_sigma_rad, "Prior of the first keyframe", Range::positive());
+  v.section(
+      "sweep_distortion", p.sweep_distortion,
+      "Error of LiDAR odometry that registers moving sweeps as they are, from each sweep's motion");
   v.optionalNumber("odometry_kernel_width", p.odometry_kernel_width,
                    "Huber width of odometry edges in standard deviations", Range::positive());
   v.optionalNumber("detection_kernel_width", p.detection_kernel_width,

@@ -83,29 +83,23 @@ void fields(FieldVisitor& v, OdometryNoiseParams& p) {
            "Least sigma of LiDAR odometry between keyframes", Range::positive());
   v.angle("lidar_min_sigma_deg", p.lidar_min_sigma_rad,
           "Least sigma of LiDAR odometry between keyframes", Range::positive());
-  v.number("distortion_m_per_m", p.distortion_m_per_m,
-           "LiDAR odometry without deskewing: sigma [m] per metre of each sweep",
-           Range::nonNegative());
-  v.number("distortion_rad_per_m", p.distortion_rad_per_m,
-           "LiDAR odometry without deskewing: sigma [rad] per metre of each sweep",
-           Range::nonNegative());
-  v.number("distortion_m_per_rad", p.distortion_m_per_rad,
-           "LiDAR odometry without deskewing: sigma [m] per radian of each sweep",
-           Range::nonNegative());
-  v.number("distortion_rad_per_rad", p.distortion_rad_per_rad,
-           "LiDAR odometry without deskewing: sigma [rad] per radian of each sweep",
-           Range::nonNegative());
   v.number("missing_sigma_m", p.missing_sigma_m, "Sigma where the log has no odometry",
            Range::positive());
   v.angle("missing_sigma_deg", p.missing_sigma_rad, "Sigma where the log has no odometry",
           Range::positive());
 }
 
-Matrix6 distortionCovariance(const Vector6& motion, const OdometryNoiseParams& p) {
+void fields(FieldVisitor& v, SweepDistortionParams& p) {
+  v.number("m_per_m", p.m_per_m, "Sigma [m] per metre", Range::nonNegative());
+  v.number("rad_per_m", p.rad_per_m, "Sigma [rad] per metre", Range::nonNegative());
+  v.number("m_per_rad", p.m_per_rad, "Sigma [m] per radian", Range::nonNegative());
+  v.number("rad_per_rad", p.rad_per_rad, "Sigma [rad] per radian", Range::nonNegative());
+}
+
+Matrix6 distortionCovariance(const Vector6& motion, const SweepDistortionParams& p) {
   const double way_m = motion.head<3>().norm(), turn_rad = motion.tail<3>().norm();
-  return isotropicCovariance(
-      std::hypot(p.distortion_m_per_m * way_m, p.distortion_m_per_rad * turn_rad),
-      std::hypot(p.distortion_rad_per_m * way_m, p.distortion_rad_per_rad * turn_rad));
+  return isotropicCovariance(std::hypot(p.m_per_m * way_m, p.m_per_rad * turn_rad),
+                             std::hypot(p.rad_per_m * way_m, p.rad_per_rad * turn_rad));
 }
 
 Matrix6 fitnessCovariance(double fitness_m2, const OdometryNoiseParams& p) {

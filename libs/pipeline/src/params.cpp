@@ -19,6 +19,7 @@ void fields(FieldVisitor& v, DynemoParams& p) {
   v.section("mapping", p.mapping, "Nodes and edges of the scene graph");
   v.section("loops", p.loops, "Loop closure");
   v.section("solver", p.solver, "Optimisation of the graph");
+  v.section("trajectory", p.trajectory, "Poses of the frames between keyframes");
   v.texts("outputs", p.outputs, "Files written to the output folder");
   v.section("exports", p.exports, "Options of the files in outputs");
   v.number("checkpoint_s", p.checkpoint_s,

@@ -19,8 +19,8 @@ std::optional<SweepMotion> steadyMotion(const Pose3& T_last_base, double dt_s) {
 }  // namespace
 
 RobotTracker::RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry,
-                           const PlaneParams& planes)
-    : params_(params), plane_params_(planes) {
+                           const PlaneParams& planes, const SweepDistortionParams& distortion)
+    : params_(params), plane_params_(planes), distortion_(distortion) {
   if (params.source == OdometrySource::kRawlog && !rawlog_odometry) {
     throw ConfigError("odometry.source: rawlog: the rawlog carries no odometry; use auto or lidar");
   }
@@ -70,19 +70,21 @@ void RobotTracker::estimateFromScan(SensorFrame& frame, std::span<const std::uin
     setOdometry(frame, std::nullopt);
     ++warnings_["LiDAR odometry: " + toString(estimate.error())];
     scan_covariance_.reset();
+    scan_step_covariance_.reset();
     return;
   }
   motion_ = estimate->motion;
   scan_motion_ = Motion{frame.stamp, *T_level_odom_ * estimate->T_odom_base, estimate->motion};
   setOdometry(frame, scan_motion_);
+  scan_step_covariance_ = estimate->covariance;
+  if (!scan_odometry_->measuresSweepMotion()) {
+    const double sweep_s = 2.0 * middleOfSweep(frame.scan->cloud);
+    *scan_step_covariance_ +=
+        distortionCovariance(sweep_s * estimate->motion.twist.vector(), distortion_);
+  }
   if (scan_covariance_) {
     const Matrix6 A = composeJacobianLeft(estimate->T_prev_base);
-    scan_covariance_ = A * *scan_covariance_ * A.transpose() + estimate->covariance;
-    if (!scan_odometry_->measuresSweepMotion()) {
-      const double sweep_s = 2.0 * middleOfSweep(frame.scan->cloud);
-      *scan_covariance_ +=
-          distortionCovariance(sweep_s * estimate->motion.twist.vector(), params_.noise);
-    }
+    scan_covariance_ = A * *scan_covariance_ * A.transpose() + *scan_step_covariance_;
   }
 }
 
@@ -100,12 +102,20 @@ Pose3 RobotTracker::locate(const SensorFrame& frame,
   }
   if (last_T_odom_base_) {
     const Pose3 T_last_base = last_T_odom_base_->inverse() * T_odom_base;
-    path_m_ += T_last_base.t.norm();
-    path_rad_ += rotationAngle(T_last_base);
+    const double step_m = T_last_base.t.norm(), step_rad = rotationAngle(T_last_base);
+    path_m_ += step_m;
+    path_rad_ += step_rad;
+    const OdometryNoiseParams& noise = params_.noise;
+    step_covariance_ =
+        scan_odometry_ && scan_step_covariance_
+            ? floorCovariance(*scan_step_covariance_, noise.lidar_min_sigma_m,
+                              noise.lidar_min_sigma_rad)
+            : relativeOdometryCovariance(last_odometry_, frame.odometry, step_m, step_rad, noise);
     mean_motion_ = steadyMotion(T_last_base, secondsBetween(last_stamp_, frame.stamp));
     if (!scan_odometry_) motion_ = mean_motion_;
   }
   last_T_odom_base_ = T_odom_base;
+  last_odometry_ = frame.odometry;
   last_stamp_ = frame.stamp;
   return T_odom_base;
 }

@@ -24,7 +24,8 @@ SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& model
                            bool rawlog_odometry)
     : mrpt::system::COutputLogger("dynemo"),
       params_(params),
-      tracker_(params.odometry, rawlog_odometry, params.perception.planes),
+      tracker_(params.odometry, rawlog_odometry, params.perception.planes,
+               params.mapping.sweep_distortion),
       agent_points_(params.odometry.agents),
       plane_extractor_(
           planeExtractors().make(params.perception.planes.extractor, params.perception.planes)),
@@ -52,7 +53,9 @@ void SlamPipeline::process(SensorFrame frame, FrameTiming& timing) {
   addWaiting(timing);
   const RobotState robot{T_odom_base, graph_.T_map_odom * T_odom_base};
   const std::uint32_t reasons = decide(frame, robot, observations, timing);
-  if (reasons == 0) return record(frame, robot);
+  if (reasons == 0) {
+    return record(frame, robot, {tracker_.stepCovariance(), sightingsOf(observations)});
+  }
 
   Chosen chosen = choose(std::move(frame), robot, reasons, std::move(observations));
   if (waitsForNext(chosen)) {
@@ -67,7 +70,7 @@ void SlamPipeline::add(Chosen chosen, FrameTiming& timing) {
   map(select(chosen, timing), timing);
   closeLoops(timing);
   optimize(chosen.frame, timing);
-  record(chosen.frame, chosen.robot);
+  record(chosen.frame, chosen.robot, {chosen.step_covariance, {}});
 }
 
 void SlamPipeline::addWaiting(FrameTiming& timing) {
@@ -133,7 +136,12 @@ SlamPipeline::Chosen SlamPipeline::choose(SensorFrame frame, const RobotState& r
                                           std::vector<EntityObservation> observations) {
   const Matrix6 odometry_covariance = tracker_.covarianceSinceKeyframe(frame, graph_);
   tracker_.keyframeMade(frame);
-  return {std::move(frame),      robot, reasons, std::move(observations), odometry_covariance,
+  return {std::move(frame),
+          robot,
+          reasons,
+          std::move(observations),
+          odometry_covariance,
+          tracker_.stepCovariance(),
           tracker_.sweepMotion()};
 }
 
@@ -254,8 +262,10 @@ void SlamPipeline::recordOptimization(std::uint64_t frame_index, Stamp stamp,
   graph_.T_map_odom = (newest.T_map_base() * newest.T_odom_base.inverse()).normalized();
 }
 
-void SlamPipeline::record(const SensorFrame& frame, const RobotState& robot) {
+void SlamPipeline::record(const SensorFrame& frame, const RobotState& robot,
+                          FrameMeasurements measurements) {
   frames_.push_back({frame.stamp, robot.T_odom_base, graph_.T_map_odom * robot.T_odom_base});
+  measurements_.push_back(std::move(measurements));
   keyframe_of_frame_.push_back(graph_.keyframes().size() - 1);
 }
 
@@ -266,6 +276,7 @@ void SlamPipeline::finish() {
   settleLoops();
   updateTrajectory();
   updateCovariances();
+  refineTrajectory();
   const auto& outputs = params_.outputs;
   if (loops_.closures() > 0 && std::find(outputs.begin(), outputs.end(), "map") != outputs.end())
     keyframes_without_closures_ = keyframesWithoutClosures(graph_, params_.solver);
@@ -299,6 +310,19 @@ void SlamPipeline::updateTrajectory() {
                          ? std::clamp(secondsBetween(before.stamp, frame.stamp) / span_s, 0.0, 1.0)
                          : 0.0;
     frame.T_map_base = interpolate(frame.T_map_base, T_from_after, s);
+  }
+}
+
+void SlamPipeline::refineTrajectory() {
+  if (!params_.trajectory.objects) return;
+  for (std::size_t begin = 0; begin < frames_.size();) {
+    std::size_t end = begin + 1;
+    while (end < frames_.size() && keyframe_of_frame_[end] == keyframe_of_frame_[begin]) ++end;
+    const std::size_t count = std::min(end + 1, frames_.size()) - begin;
+    refineFrames(graph_, keyframe_of_frame_[begin], entity_covariances_,
+                 std::span(measurements_).subspan(begin, count), params_.trajectory,
+                 std::span(frames_).subspan(begin, count));
+    begin = end;
   }
 }
 

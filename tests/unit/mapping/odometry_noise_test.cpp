@@ -65,17 +65,17 @@ TEST(OdometryNoise, AtRestTheJitterRemains) {
 }
 
 TEST(OdometryNoise, DistortionGrowsWithTheMotionDuringASweep) {
-  const OdometryNoiseParams p;
+  const SweepDistortionParams p;
   EXPECT_TRUE(distortionCovariance(Vector6::Zero(), p).isZero());
   Vector6 motion = Vector6::Zero();
   motion[1] = 0.2;
   const Matrix6 driven = distortionCovariance(motion, p);
-  EXPECT_NEAR(std::sqrt(driven(0, 0)), 0.2 * p.distortion_m_per_m, 1e-12);
-  EXPECT_NEAR(std::sqrt(driven(5, 5)), 0.2 * p.distortion_rad_per_m, 1e-12);
+  EXPECT_NEAR(std::sqrt(driven(0, 0)), 0.2 * p.m_per_m, 1e-12);
+  EXPECT_NEAR(std::sqrt(driven(5, 5)), 0.2 * p.rad_per_m, 1e-12);
   motion[5] = 0.1;
   const Matrix6 both = distortionCovariance(motion, p);
-  EXPECT_NEAR(both(0, 0) - driven(0, 0), std::pow(0.1 * p.distortion_m_per_rad, 2), 1e-12);
-  EXPECT_NEAR(both(5, 5) - driven(5, 5), std::pow(0.1 * p.distortion_rad_per_rad, 2), 1e-12);
+  EXPECT_NEAR(both(0, 0) - driven(0, 0), std::pow(0.1 * p.m_per_rad, 2), 1e-12);
+  EXPECT_NEAR(both(5, 5) - driven(5, 5), std::pow(0.1 * p.rad_per_rad, 2), 1e-12);
 }
 
 TEST(OdometryNoise, MissingOdometryIsAlmostFree) {

@@ -163,7 +163,7 @@ TEST(RobotTracker, MovingSweepsRegisteredAsTheyAreMakeTheOdometryLessCertain) {
                          .minCoeff());
   };
   // Three sweeps of 0.1 m.
-  const double expected_m = std::sqrt(3.0) * 0.1 * params.noise.distortion_m_per_m;
+  const double expected_m = std::sqrt(3.0) * 0.1 * SweepDistortionParams().m_per_m;
   EXPECT_GT(sigma_m(true), 0.9 * expected_m);
   EXPECT_LT(sigma_m(false), 0.5 * expected_m);
 }

@@ -66,8 +66,30 @@ TEST_F(Drive, FramesAtKeyframesAreTheKeyframes) {
   EXPECT_GE(keyframes, 5u);
 }
 
+TEST_F(Drive, TheBoxAlsoPlacesTheFramesBetweenKeyframes) {
+  const auto error_m = [&] {
+    double sum_m2 = 0.0;
+    for (std::size_t i = 0; i < pipeline_->frames().size(); ++i) {
+      const double x_m = pipeline_->frames()[i].T_map_base.t.x();
+      sum_m2 += std::pow(x_m - 0.2 * static_cast<double>(i), 2);
+    }
+    return std::sqrt(sum_m2 / kFrames);
+  };
+  DynemoParams params = externalOnly();
+  params.keyframes.robot_translation_m = 2.0;
+  params.keyframes.timer = false;
+  params.trajectory.objects = false;
+  drive(params);
+  const double blended_m = error_m();
+  params.trajectory.objects = true;
+  drive(params);
+  EXPECT_LT(error_m(), blended_m);
+}
+
 TEST_F(Drive, BetweenKeyframesTheCorrectionIsBlendedByTime) {
-  drive();
+  DynemoParams params = externalOnly();
+  params.trajectory.objects = false;
+  drive(params);
   const auto& frames = pipeline_->frames();
   const auto& keyframes = pipeline_->graph().keyframes();
   std::size_t checked = 0;

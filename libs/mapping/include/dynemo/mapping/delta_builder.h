@@ -11,6 +11,7 @@
 #include "dynemo/graph/scene_graph.h"
 #include "dynemo/mapping/floors.h"
 #include "dynemo/mapping/ground_plane.h"
+#include "dynemo/mapping/odometry_noise.h"
 #include "dynemo/mapping/plane_association.h"
 #include "dynemo/perception/entity_observation.h"
 
@@ -40,6 +41,8 @@ struct MappingParams {
 
   double anchor_sigma_m = 1e-3;
   double anchor_sigma_rad = 1e-3;
+  /// For LiDAR odometry that knows no deskewing.
+  SweepDistortionParams sweep_distortion;
   /// Huber width of odometry edges in standard deviations; none when empty.
   std::optional<double> odometry_kernel_width;
   /// Cauchy width of keyframe–entity edges in standard deviations; none when empty.

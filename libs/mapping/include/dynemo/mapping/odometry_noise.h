@@ -43,17 +43,19 @@ struct OdometryNoiseParams {
   /// associations.
   double lidar_min_sigma_m = 0.0005;
   double lidar_min_sigma_rad = 0.00017;
-  /// LiDAR odometry that registers moving sweeps as they are: error of each sweep's motion as a
-  /// share of it, from translation [m/m, rad/m] and from rotation [m/rad, rad/rad].
-  double distortion_m_per_m = 0.05;
-  double distortion_rad_per_m = 0.023;
-  double distortion_m_per_rad = 0.10;
-  double distortion_rad_per_rad = 0.045;
   /// Between keyframes where the odometry is missing.
   double missing_sigma_m = 2.0;
   double missing_sigma_rad = 1.0;
 };
 void fields(FieldVisitor& v, OdometryNoiseParams& p);
+
+/// LiDAR odometry that registers moving sweeps as they are: sigma of the error that each adds to
+/// the motion, as shares of its translation and rotation [m/m, rad/m, m/rad, rad/rad].
+struct SweepDistortionParams {
+  double m_per_m = 0.05, rad_per_m = 0.023;
+  double m_per_rad = 0.10, rad_per_rad = 0.045;
+};
+void fields(FieldVisitor& v, SweepDistortionParams& p);
 
 /// Mean squared distance [m²] from each point of `b` to its nearest neighbour in `a`, with b placed
 /// by T_a_b (base frames); +∞ when either scan is empty.
@@ -61,7 +63,7 @@ double scanFitness(const Scan& a, const Scan& b, const Pose3& T_a_b);
 
 /// What moving `motion` (right tangent) during a sweep adds to the covariance of odometry that
 /// takes the sweep as measured at one instant.
-Matrix6 distortionCovariance(const Vector6& motion, const OdometryNoiseParams& params);
+Matrix6 distortionCovariance(const Vector6& motion, const SweepDistortionParams& params);
 
 /// Isotropic covariance for a fitness, as above.
 Matrix6 fitnessCovariance(double fitness_m2, const OdometryNoiseParams& params);

@@ -15,6 +15,7 @@
 #include "dynemo/odometry/odometry_params.h"
 #include "dynemo/perception/perception_params.h"
 #include "dynemo/pipeline/agent_points.h"
+#include "dynemo/pipeline/frame_refinement.h"
 
 namespace dynemo {
 
@@ -40,6 +41,7 @@ struct DynemoParams {
   MappingParams mapping;
   LoopParams loops;
   SolverParams solver;
+  FrameRefinementParams trajectory;
   /// Registered exporters whose files the run folder gets.
   std::vector<std::string> outputs = {"trajectory", "keyframes", "odometry", "entities", "planes",
                                       "g2o",        "graph",     "3dscene",  "map",      "session"};

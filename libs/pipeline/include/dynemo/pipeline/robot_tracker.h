@@ -22,7 +22,7 @@ class RobotTracker {
   /// `rawlog_odometry`: the log carries odometry. `planes`: how the ground is found, on which LiDAR
   /// odometry starts level. Throws ConfigError when the configured source is not to be had.
   RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry,
-               const PlaneParams& planes = {});
+               const PlaneParams& planes = {}, const SweepDistortionParams& distortion = {});
   ~RobotTracker();
 
   /// Records or replays the LiDAR odometry, where there is any; before the first frame.
@@ -51,6 +51,8 @@ class RobotTracker {
   /// Covariance of the right tangent of the motion since the last keyframe, for a keyframe made of
   /// this frame.
   Matrix6 covarianceSinceKeyframe(const SensorFrame& frame, const CSceneGraph& graph) const;
+  /// Of the motion since the frame before the one that was located last.
+  const Matrix6& stepCovariance() const { return step_covariance_; }
   void keyframeMade(const SensorFrame& frame);
 
   const std::map<std::string, std::uint64_t>& warnings() const { return warnings_; }
@@ -72,6 +74,7 @@ class RobotTracker {
 
   RobotOdometryParams params_;
   PlaneParams plane_params_;
+  SweepDistortionParams distortion_;
   std::unique_ptr<ScanOdometry> scan_odometry_;
   std::optional<Pose3>
       T_level_odom_;  ///< LiDAR odometry starts with the base's axes, not with level ones
@@ -88,6 +91,9 @@ class RobotTracker {
   /// LiDAR odometry: covariance accumulated since the last keyframe; empty when a scan failed in
   /// between.
   std::optional<Matrix6> scan_covariance_;
+  std::optional<Matrix6> scan_step_covariance_;  ///< of the last scan's step; empty when it failed
+  std::optional<OdometryState> last_odometry_;
+  Matrix6 step_covariance_ = Matrix6::Identity();
   double path_m_ = 0.0, path_rad_ = 0.0;
   std::map<std::string, std::uint64_t> warnings_;
 };

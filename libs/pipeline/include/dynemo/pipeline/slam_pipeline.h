@@ -15,6 +15,7 @@
 #include "dynemo/mapping/delta_builder.h"
 #include "dynemo/mapping/keyframe_policy.h"
 #include "dynemo/perception/entity_detector.h"
+#include "dynemo/pipeline/frame_refinement.h"
 #include "dynemo/pipeline/params.h"
 #include "dynemo/pipeline/robot_tracker.h"
 #include "dynemo/pipeline/stage_timer.h"
@@ -77,7 +78,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
     RobotState robot;
     std::uint32_t reasons = 0;
     std::vector<EntityObservation> observations;
-    Matrix6 odometry_covariance = Matrix6::Identity();
+    Matrix6 odometry_covariance = Matrix6::Identity(), step_covariance = Matrix6::Identity();
     std::optional<SweepMotion> motion;  ///< during its sweep
   };
 
@@ -91,7 +92,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
                FrameTiming& timing);
   std::uint32_t decide(const SensorFrame& frame, const RobotState& robot,
                        const std::vector<EntityObservation>& observations, FrameTiming& timing);
-  void record(const SensorFrame& frame, const RobotState& robot);
+  void record(const SensorFrame& frame, const RobotState& robot, FrameMeasurements measurements);
   Chosen choose(SensorFrame frame, const RobotState& robot, std::uint32_t reasons,
                 std::vector<EntityObservation> observations);
   /// Whether the next frame tells more of how the robot moved during the sweep.
@@ -109,6 +110,8 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   void associate(KeyframeData& keyframe);
   std::optional<KeyframePrediction> predict(const KeyframeData& keyframe);
   void settleLoops();
+  /// Moves the frames between keyframes to where the objects they saw put them.
+  void refineTrajectory();
   void recordOptimization(std::uint64_t frame_index, Stamp stamp, OptimizationReport report);
   void updateCovariances();
 
@@ -125,6 +128,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   CSceneGraph graph_;
   std::optional<Chosen> waiting_;  ///< until the motion to the next frame is known
   std::vector<FramePose> frames_;
+  std::vector<FrameMeasurements> measurements_;  ///< of each frame
   std::vector<std::size_t>
       keyframe_of_frame_;  ///< index of the latest keyframe at or before each frame
   std::map<NodeId, Matrix6> entity_covariances_;
