@@ -7,6 +7,7 @@
 #include "dynemo/graph/edge_floor_entity.h"
 #include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
+#include "dynemo/graph/edge_summary.h"
 #include "dynemo/graph/node.h"
 
 using mrpt::serialization::CArchive;
@@ -17,6 +18,7 @@ IMPLEMENTS_SERIALIZABLE(CEdgeOdometry, CEdgeRelativePose, dynemo)
 IMPLEMENTS_SERIALIZABLE(CEdgeKeyframeEntity, CEdgeRelativePose, dynemo)
 IMPLEMENTS_SERIALIZABLE(CEdgeIntraEntity, CEdgeRelativePose, dynemo)
 IMPLEMENTS_SERIALIZABLE(CEdgeLoopClosure, CEdgeRelativePose, dynemo)
+IMPLEMENTS_SERIALIZABLE(CEdgeSummary, CEdgeRelativePose, dynemo)
 IMPLEMENTS_SERIALIZABLE(CEdgePosePrior, CEdgeBase, dynemo)
 IMPLEMENTS_SERIALIZABLE(CEdgeFloorPrior, CEdgeBase, dynemo)
 IMPLEMENTS_SERIALIZABLE(CEdgeFloorEntity, CEdgeBase, dynemo)
@@ -143,6 +145,7 @@ void CEdgeRelativePose::readRelativePose(CArchive& in) {
 DYNEMO_SERIALIZE_PLAIN_RELATIVE_POSE(CEdgeOdometry)
 DYNEMO_SERIALIZE_PLAIN_RELATIVE_POSE(CEdgeKeyframeEntity)
 DYNEMO_SERIALIZE_PLAIN_RELATIVE_POSE(CEdgeLoopClosure)
+DYNEMO_SERIALIZE_PLAIN_RELATIVE_POSE(CEdgeSummary)
 
 std::uint8_t CEdgeIntraEntity::serializeGetVersion() const { return 0; }
 void CEdgeIntraEntity::serializeTo(CArchive& out) const {

@@ -7,6 +7,7 @@
 #include "dynemo/graph/edge_plane.h"
 #include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
+#include "dynemo/graph/edge_summary.h"
 #include "dynemo/graph/scene_graph.h"
 #include "dynemo/graph/types.h"
 
@@ -65,6 +66,7 @@ const std::vector<EdgeType>& edgeTypes() {
       edgeTypeOf<CEdgePlaneParallel>({"plane", "plane"}, 0x8c564b),
       edgeTypeOf<CEdgePlanePerpendicular>({"plane", "plane"}, 0xc49c94),
       edgeTypeOf<CEdgeLoopClosure>({"keyframe", "keyframe"}, 0x17becf),
+      edgeTypeOf<CEdgeSummary>({"keyframe", "keyframe"}, 0xc7c7c7),
   };
   return types;
 }
@@ -95,6 +97,7 @@ void registerGraphClasses() {
   registerClass(CLASS_ID(CEdgePlaneParallel));
   registerClass(CLASS_ID(CEdgePlanePerpendicular));
   registerClass(CLASS_ID(CEdgeLoopClosure));
+  registerClass(CLASS_ID(CEdgeSummary));
   registerClass(CLASS_ID(CSceneGraph));
 }
 

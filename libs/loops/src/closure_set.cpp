@@ -60,6 +60,32 @@ std::size_t ClosureSet::add(const Closure& closure, const OdometryChain& chain) 
   return index;
 }
 
+std::vector<bool> ClosureSet::removeKeyframe(std::size_t keyframe) {
+  std::vector<bool> stays(closures_.size());
+  std::vector<std::size_t> moved_to(closures_.size());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < closures_.size(); ++i) {
+    Closure closure = closures_[i];
+    stays[i] = closure.earlier != keyframe && closure.later != keyframe;
+    if (!stays[i]) continue;
+    if (closure.earlier > keyframe) --closure.earlier;
+    if (closure.later > keyframe) --closure.later;
+    closures_[kept] = closure;
+    discarded_[kept] = discarded_[i];
+    doubtful_[kept] = doubtful_[i];
+    moved_to[i] = kept++;
+  }
+  closures_.resize(kept);
+  discarded_.resize(kept);
+  doubtful_.resize(kept);
+  std::erase_if(pairs_, [&](const Pair& pair) { return !stays[pair.a] || !stays[pair.b]; });
+  for (Pair& pair : pairs_) {
+    pair.a = moved_to[pair.a];
+    pair.b = moved_to[pair.b];
+  }
+  return stays;
+}
+
 void ClosureSet::learnScale() {
   const double expected_median = chiSquaredQuantile(6, 0.5);
   std::vector<const LoopCheck*> telling;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 
 #include "dynemo/loops/verification.h"
 #include "dynemo/matching/matcher_chain.h"
@@ -77,6 +78,26 @@ GraphDelta LoopCloser::review(const CSceneGraph& graph) {
   return delta;
 }
 
+void LoopCloser::forget(const CSceneGraph& graph, NodeId keyframe) {
+  if (!params_.enabled) return;
+  chain_.extend(graph);
+  const auto& all = graph.keyframes();
+  const auto it = std::find_if(all.begin(), all.end(),
+                               [&](const auto& other) { return other->id == keyframe; });
+  if (it == all.end())
+    throw std::out_of_range("no such keyframe to forget: " + std::to_string(keyframe.value));
+  const auto index = static_cast<std::size_t>(it - all.begin());
+  chain_.remove(index);
+  const std::vector<bool> stays = closures_.removeKeyframe(index);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (!stays[i]) continue;
+    if (kept != i) entries_[kept] = std::move(entries_[i]);
+    ++kept;
+  }
+  entries_.erase(entries_.begin() + static_cast<std::ptrdiff_t>(kept), entries_.end());
+}
+
 std::vector<LoopPair> LoopCloser::pairs(const CSceneGraph& graph, Optimizer& optimizer) {
   std::optional<std::size_t> last;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
@@ -146,8 +167,10 @@ LoopCloser::Attempt LoopCloser::matchFrom(const CSceneGraph& graph, const LoopPa
   record.scan_points_earlier = pair.earlier->scan->cloud.size();
   record.scan_points_later = pair.later->scan->cloud.size();
 
-  const EntityAwareMatch matched = matcher_.match(graph, pair, seed);
-  record.filtered = matched.filtered;
+  EntityAwareMatch matched = matcher_.match(graph, pair, seed);
+  record.removed_earlier = matched.filtered.removed_earlier.size();
+  record.removed_later = matched.filtered.removed_later.size();
+  record.entities = std::move(matched.filtered.entities);
   record.seed_inlier_ratio = matched.seed_inlier_ratio;
   if (!matched.match) {
     record.reason = "no match: " + toString(matched.match.error());

@@ -40,9 +40,9 @@ std::string poseCells(const Pose3& T) {
 }
 
 /// "3: moved 0.42 m 0.01 rad, 120 + 96 points; 101: agent, …". Entities that stay are left out.
-std::string removedText(const FilteredPair& filtered) {
+std::string removedText(const std::vector<EntityDecision>& entities) {
   std::string text;
-  for (const EntityDecision& entity : filtered.entities) {
+  for (const EntityDecision& entity : entities) {
     if (!entity.removed) continue;
     text += formatted("%s%lld: %s: %zu + %zu", text.empty() ? "" : "; ",
                       static_cast<long long>(entity.entity.value), entity.reason.c_str(),
@@ -83,9 +83,9 @@ std::string loopRecordRow(const LoopRecord& r) {
          r.earlier_stamp.text() + "," + r.later_stamp.text() + "," +
          loopOriginName(r.candidate.origin) +
          formatted(",%.4f,%.4f,%zu,%zu,%zu,%zu,", r.candidate.distance_m, r.candidate.path_m,
-                   r.scan_points_earlier, r.scan_points_later, r.filtered.removed_earlier.size(),
-                   r.filtered.removed_later.size());
-  row += quoted(removedText(r.filtered)) +
+                   r.scan_points_earlier, r.scan_points_later, r.removed_earlier,
+                   r.removed_later);
+  row += quoted(removedText(r.entities)) +
          (r.seed_origin == SeedOrigin::kGraph ? ",graph" : ",entities") + poseCells(r.seed);
   row += "," + (r.seed_inlier_ratio ? formatted("%.4f", *r.seed_inlier_ratio) : "") +
          matchCells(r.match) + ",";

@@ -33,6 +33,15 @@ void OdometryChain::extend(const CSceneGraph& graph) {
   }
 }
 
+void OdometryChain::remove(std::size_t keyframe) {
+  const Link gone = links_.at(keyframe);
+  links_.erase(links_.begin() + static_cast<std::ptrdiff_t>(keyframe));
+  if (keyframe == links_.size()) return;
+  auto& link = links_[keyframe].previous_this;
+  link = link && gone.previous_this ? std::optional(compose(*gone.previous_this, *link))
+                                    : std::nullopt;
+}
+
 double OdometryChain::pathBetween_m(std::size_t a, std::size_t b) const {
   return std::abs(links_[b].path_m - links_[a].path_m);
 }

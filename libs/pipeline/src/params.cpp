@@ -18,6 +18,7 @@ void fields(FieldVisitor& v, DynemoParams& p) {
   v.section("keyframes", p.keyframes, "When a frame becomes a keyframe");
   v.section("mapping", p.mapping, "Nodes and edges of the scene graph");
   v.section("loops", p.loops, "Loop closure");
+  v.section("life", p.life, "Keyframes that leave the graph");
   v.section("solver", p.solver, "Optimisation of the graph");
   v.section("trajectory", p.trajectory, "Poses of the frames between keyframes");
   v.texts("outputs", p.outputs, "Files written to the output folder");

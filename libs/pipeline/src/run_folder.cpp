@@ -63,12 +63,6 @@ Json poseJson(const Pose3& T) {
           {"quaternion_xyzw", {q.x(), q.y(), q.z(), q.w()}}};
 }
 
-Json keyframesJson(const CSceneGraph& graph) {
-  std::map<std::string, std::size_t> reasons;
-  for (const auto& keyframe : graph.keyframes()) ++reasons[keyframeReasonText(keyframe->reasons)];
-  return {{"count", graph.keyframes().size()}, {"reasons", reasons}};
-}
-
 Json entitiesJson(const CSceneGraph& graph) {
   Json list = Json::array();
   for (const auto& [id, track] : graph.tracks()) {
@@ -156,6 +150,15 @@ Json loopsJson(const SlamPipeline& pipeline) {
   return {{"closures", decisions["accepted"] - decisions["removed"]}, {"decisions", decisions}};
 }
 
+Json keyframesJson(const SlamPipeline& pipeline) {
+  const auto& keyframes = pipeline.graph().keyframes();
+  std::map<std::string, std::size_t> reasons;
+  for (const auto& keyframe : keyframes) ++reasons[keyframeReasonText(keyframe->reasons)];
+  Json json = {{"count", keyframes.size()}, {"reasons", reasons}};
+  if (pipeline.keyframesLeft() > 0) json["left_the_graph"] = pipeline.keyframesLeft();
+  return json;
+}
+
 Json summaryJson(const SlamPipeline& pipeline, const IngestReport& ingest,
                  const RunIdentity& identity) {
   const CSceneGraph& graph = pipeline.graph();
@@ -165,7 +168,7 @@ Json summaryJson(const SlamPipeline& pipeline, const IngestReport& ingest,
                   {"rawlog", identity.rawlog},
                   {"frames", ingest.frames},
                   {"observations", ingest.observations},
-                  {"keyframes", keyframesJson(graph)},
+                  {"keyframes", keyframesJson(pipeline)},
                   {"graph", graphJson(graph)},
                   {"entities", entitiesJson(graph)},
                   {"loops", loopsJson(pipeline)},

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "dynemo/life/keyframe_retention.h"
+#include "dynemo/life/removal.h"
 #include "dynemo/loops/without_closures.h"
 #include "dynemo/mapping/ground_plane.h"
 #include "dynemo/odometry/deskew.h"
@@ -69,6 +71,7 @@ void SlamPipeline::process(SensorFrame frame, FrameTiming& timing) {
 void SlamPipeline::add(Chosen chosen, FrameTiming& timing) {
   map(select(chosen, timing), timing);
   closeLoops(timing);
+  makeRoom(timing);
   optimize(chosen.frame, timing);
   record(chosen.frame, chosen.robot, {chosen.step_covariance, {}});
 }
@@ -229,6 +232,7 @@ void SlamPipeline::associate(KeyframeData& keyframe) {
 void SlamPipeline::map(const KeyframeData& keyframe, FrameTiming& timing) {
   const ScopedStage stage(timing, Stage::kMapping);
   graph_.apply(builder_.build(graph_, keyframe));
+  trail_.add(*graph_.keyframes().back());
   logFmt(mrpt::system::LVL_DEBUG, "keyframe %zu at %s: %s, %zu entities", graph_.keyframes().size(),
          keyframe.stamp.text().c_str(), keyframeReasonText(keyframe.reasons).c_str(),
          keyframe.observations.size());
@@ -242,6 +246,19 @@ void SlamPipeline::closeLoops(FrameTiming& timing) {
     const LoopRecord& loop = loops_.records()[i];
     logFmt(mrpt::system::LVL_DEBUG, "loop %s - %s: %s %s", loop.earlier_stamp.text().c_str(),
            loop.later_stamp.text().c_str(), loopDecisionName(loop.decision), loop.reason.c_str());
+  }
+}
+
+void SlamPipeline::makeRoom(FrameTiming& timing) {
+  if (!params_.life.bounded) return;
+  const ScopedStage stage(timing, Stage::kMapping);
+  const std::vector<NodeId> surplus = surplusKeyframes(graph_, params_.life);
+  if (surplus.empty()) return;
+  trail_.hang(surplus, graph_);
+  for (const NodeId keyframe : surplus) {
+    const GraphDelta delta = removalOf(graph_, keyframe, params_.life);
+    loops_.forget(graph_, keyframe);
+    graph_.apply(delta);
   }
 }
 
@@ -266,7 +283,7 @@ void SlamPipeline::record(const SensorFrame& frame, const RobotState& robot,
                           FrameMeasurements measurements) {
   frames_.push_back({frame.stamp, robot.T_odom_base, graph_.T_map_odom * robot.T_odom_base});
   measurements_.push_back(std::move(measurements));
-  keyframe_of_frame_.push_back(graph_.keyframes().size() - 1);
+  keyframe_of_frame_.push_back(trail_.size() - 1);
 }
 
 void SlamPipeline::finish() {
@@ -296,19 +313,21 @@ void SlamPipeline::settleLoops() {
 void SlamPipeline::updateTrajectory() {
   // Odometry carries a frame forward from the keyframe before it and backward from the one after;
   // the optimised corrections at both ends are blended in between.
-  const auto& keyframes = graph_.keyframes();
+  const auto carriedFrom = [&](std::size_t keyframe, const FramePose& frame) {
+    return trail_.T_map_base(keyframe, graph_) *
+           (trail_.T_odom_base(keyframe).inverse() * frame.T_odom_base);
+  };
   for (std::size_t i = 0; i < frames_.size(); ++i) {
     FramePose& frame = frames_[i];
-    const CNodeKeyframe& before = *keyframes[keyframe_of_frame_[i]];
-    frame.T_map_base = before.T_map_base() * (before.T_odom_base.inverse() * frame.T_odom_base);
-    if (keyframe_of_frame_[i] + 1 >= keyframes.size()) continue;
-    const CNodeKeyframe& after = *keyframes[keyframe_of_frame_[i] + 1];
-    const Pose3 T_from_after =
-        after.T_map_base() * (after.T_odom_base.inverse() * frame.T_odom_base);
-    const double span_s = secondsBetween(before.stamp, after.stamp);
-    const double s = span_s > 0.0
-                         ? std::clamp(secondsBetween(before.stamp, frame.stamp) / span_s, 0.0, 1.0)
-                         : 0.0;
+    const std::size_t before = keyframe_of_frame_[i], after = before + 1;
+    frame.T_map_base = carriedFrom(before, frame);
+    if (after >= trail_.size()) continue;
+    const Pose3 T_from_after = carriedFrom(after, frame);
+    const double span_s = secondsBetween(trail_.stamp(before), trail_.stamp(after));
+    const double s = span_s > 0.0 ? std::clamp(secondsBetween(trail_.stamp(before), frame.stamp) /
+                                                   span_s,
+                                               0.0, 1.0)
+                                  : 0.0;
     frame.T_map_base = interpolate(frame.T_map_base, T_from_after, s);
   }
 }

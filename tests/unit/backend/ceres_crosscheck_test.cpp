@@ -5,6 +5,7 @@
 
 #include "ceres_reference.h"
 #include "dynemo/backend/optimizer.h"
+#include "dynemo/graph/edge_summary.h"
 #include "dynemo/graph/types.h"
 #include "generated_graph.h"
 
@@ -34,14 +35,30 @@ void expectSameMinimum(CSceneGraph graph) {
 
 class MixedGraph : public ::testing::TestWithParam<std::uint64_t> {};
 
+/// A drive, and what takes the place of keyframes that have left one.
+CSceneGraph everyKind(std::uint64_t seed) {
+  CSceneGraph graph = generateGraph({.seed = seed}, 75);
+  GraphDelta delta;
+  auto summary = std::make_shared<CEdgeSummary>();
+  summary->id = graph.nextEdgeId();
+  summary->nodes = {graph.keyframes()[3]->id, graph.tracks().begin()->second.back()->id};
+  const Pose3 T_1_2 = graph.keyframes()[3]->T_map_base().inverse() *
+                      graph.tracks().begin()->second.back()->T_map_entity();
+  summary->T_1_2 = T_1_2 * Pose3::translation(0.1, -0.05, 0.02);
+  summary->setCovariance(isotropicCovariance(0.1, 0.05));
+  delta.edges.push_back(summary);
+  graph.apply(delta);
+  return graph;
+}
+
 TEST_P(MixedGraph, HoldsEveryKindOfEdge) {
-  const CSceneGraph graph = generateGraph({.seed = GetParam()}, 75);
+  const CSceneGraph graph = everyKind(GetParam());
   std::set<std::string> kinds;
   for (const auto& edge : graph.edgeSlots()) kinds.insert(edge->kind());
   for (const EdgeType& type : edgeTypes()) EXPECT_TRUE(kinds.contains(type.kind)) << type.kind;
 }
 
-TEST_P(MixedGraph, QuadraticCost) { expectSameMinimum(generateGraph({.seed = GetParam()}, 75)); }
+TEST_P(MixedGraph, QuadraticCost) { expectSameMinimum(everyKind(GetParam())); }
 
 TEST_P(MixedGraph, RobustKernelsAndOutliers) {
   expectSameMinimum(generateGraph({.seed = GetParam(), .outliers = true}, 75));

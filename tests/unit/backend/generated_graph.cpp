@@ -1,4 +1,4 @@
-#include "generated_graph.h"
+#include "generated_truth.h"
 
 #include <cmath>
 #include <numbers>
@@ -38,7 +38,38 @@ std::shared_ptr<Node> addNode(const CSceneGraph& graph, GraphDelta& delta) {
   return node;
 }
 
+int storeyAt(const WorldParams& params, int k) {
+  const int floor = k / (params.keyframes_per_lap * params.laps_per_floor);
+  return params.storeys > 0 ? floor % params.storeys : floor;
+}
+
+/// The keyframe of that frame_index, or, when it has left the graph, the nearest of earlier ones;
+/// null when there is none nearby.
+const CNodeKeyframe* stillThere(const CSceneGraph& graph, const WorldParams& params, int k) {
+  constexpr double kNear_m = 1.5;
+  const CNodeKeyframe* nearest = nullptr;
+  double least_m = kNear_m;
+  for (auto it = graph.keyframes().rbegin(); it != graph.keyframes().rend(); ++it) {
+    const auto other = static_cast<int>((*it)->frame_index);
+    if (other > k) continue;
+    const double apart_m = (trueRobotPose(params, other).t - trueRobotPose(params, k).t).norm();
+    if (apart_m >= least_m) continue;
+    nearest = it->get();
+    if (other == k) break;
+    least_m = apart_m;
+  }
+  return nearest;
+}
+
 }  // namespace
+
+Pose3 trueRobotPose(const WorldParams& params, int k) {
+  const double turn = 2.0 * std::numbers::pi * k / params.keyframes_per_lap;
+  const double z = kStorey_m * storeyAt(params, k);
+  return Pose3::fromYawPitchRoll(10.0 * std::cos(turn), 7.0 * std::sin(turn), z,
+                                 turn + 0.5 * std::numbers::pi, 0.05 * std::sin(3 * turn),
+                                 0.04 * std::cos(2 * turn));
+}
 
 double GeneratedWorld::gauss() {
   const auto uniform = [this] { return (static_cast<double>(rng_() >> 11) + 0.5) * 0x1.0p-53; };
@@ -52,10 +83,7 @@ Pose3 GeneratedWorld::noisy(const Pose3& T, double sigma_m, double sigma_rad) {
   return T.retract(d);
 }
 
-int GeneratedWorld::floorAt(int k) const {
-  const int floor = k / (params_.keyframes_per_lap * params_.laps_per_floor);
-  return params_.storeys > 0 ? floor % params_.storeys : floor;
-}
+int GeneratedWorld::floorAt(int k) const { return storeyAt(params_, k); }
 
 int GeneratedWorld::lastVisit(int k) const {
   const int lap_ago = k - params_.keyframes_per_lap;
@@ -64,13 +92,7 @@ int GeneratedWorld::lastVisit(int k) const {
   return lap_ago - params_.keyframes_per_lap * params_.laps_per_floor * (params_.storeys - 1);
 }
 
-Pose3 GeneratedWorld::robotAt(int k) const {
-  const double turn = 2.0 * std::numbers::pi * k / params_.keyframes_per_lap;
-  const double z = kStorey_m * floorAt(k);
-  return Pose3::fromYawPitchRoll(10.0 * std::cos(turn), 7.0 * std::sin(turn), z,
-                                 turn + 0.5 * std::numbers::pi, 0.05 * std::sin(3 * turn),
-                                 0.04 * std::cos(2 * turn));
-}
+Pose3 GeneratedWorld::robotAt(int k) const { return trueRobotPose(params_, k); }
 
 Pose3 GeneratedWorld::objectPose(int floor, int index) const {
   const double turn = 2.0 * std::numbers::pi * index / kObjectsPerFloor;
@@ -247,10 +269,12 @@ GraphDelta GeneratedWorld::nextKeyframe(const CSceneGraph& graph) {
   if (params_.planes && k_ % 3 == 0) seeStructure(graph, delta, *keyframe);
   const int before = lastVisit(k_);
   if (params_.loop_every > 0 && before >= 0 && k_ % params_.loop_every == 0) {
-    const CNodeKeyframe& seen = *graph.keyframes()[static_cast<std::size_t>(before)];
-    auto loop = addEdge<CEdgeLoopClosure>(graph, delta, {seen.id, keyframe->id});
-    loop->T_1_2 = noisy(robotAt(before).inverse() * robotAt(k_), 0.05, 0.01);
-    loop->setCovariance(isotropicCovariance(0.05, 0.01));
+    if (const CNodeKeyframe* seen = stillThere(graph, params_, before)) {
+      auto loop = addEdge<CEdgeLoopClosure>(graph, delta, {seen->id, keyframe->id});
+      const Pose3 T_map_seen = robotAt(static_cast<int>(seen->frame_index));
+      loop->T_1_2 = noisy(T_map_seen.inverse() * robotAt(k_), 0.05, 0.01);
+      loop->setCovariance(isotropicCovariance(0.05, 0.01));
+    }
   }
   ++k_;
   return delta;

@@ -89,5 +89,22 @@ TEST_F(ClosureSets, DiscardedOnesHaveNoSay) {
   EXPECT_EQ(consistent(), (std::vector<bool>{false, true}));
 }
 
+TEST_F(ClosureSets, AKeyframeThatLeavesTakesItsClosuresAlong) {
+  for (const std::size_t k : {1, 2, 3, 4}) set_.add(closure(k, k == 3 ? 1.0 : 0.0), chain_);
+  chain_.remove(2);
+  EXPECT_EQ(set_.removeKeyframe(2), (std::vector<bool>{true, false, true, true}));
+  ASSERT_EQ(set_.size(), 3u);
+  EXPECT_EQ(set_[0].earlier, 1u);
+  EXPECT_EQ(set_[1].earlier, 2u);
+  EXPECT_EQ(set_[1].later, 26u);
+  // The others are held against each other as before, and against those that come.
+  EXPECT_EQ(consistent(), (std::vector<bool>{true, false, true}));
+  Closure next = closure(6);
+  --next.earlier;
+  --next.later;
+  set_.add(next, chain_);
+  EXPECT_EQ(consistent(), (std::vector<bool>{true, false, true, true}));
+}
+
 }  // namespace
 }  // namespace dynemo

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "dynemo/graph/edge_relative_pose.h"
+#include "dynemo/life/removal.h"
 #include "dynemo/loops/without_closures.h"
 #include "loop_graph.h"
 
@@ -233,6 +234,46 @@ TEST(LoopCloser, WithoutClosuresTheGraphIsItsOdometry) {
   ASSERT_EQ(poses.size(), drive.graph.keyframes().size());
   for (std::size_t k = 0; k < poses.size(); ++k)
     EXPECT_LT(local(drive.graph.keyframes()[k]->T_odom_base, poses[k]).norm(), 1e-4);
+}
+
+TEST(LoopCloser, ForgetsKeyframesThatLeave) {
+  test::LoopGraph drive;
+  bool blind = false;
+  LoopCloser closer({}, std::make_unique<TruthMatcher>(
+                            drive, [&](std::size_t, std::size_t) {
+                              return blind ? std::nullopt : std::optional(Pose3());
+                            }));
+  for (int i = 0; i < 2 * kLap; ++i) {
+    drive.addKeyframe();
+    drive.graph.apply(closer.close(drive.graph, drive.optimizer));
+    drive.optimize();
+  }
+  const std::size_t closures = closer.closures();
+  ASSERT_GT(closures, 5u);
+  const NodeId anchor = drive.graph.keyframes().front()->id;
+  const auto closure = std::find_if(
+      drive.graph.edgeSlots().begin(), drive.graph.edgeSlots().end(), [&](const auto& edge) {
+        return dynamic_cast<const CEdgeLoopClosure*>(edge.get()) && edge->nodes[0] != anchor;
+      });
+  ASSERT_NE(closure, drive.graph.edgeSlots().end());
+  const NodeId leaving = (*closure)->nodes[0];
+  std::size_t its_own = 0;
+  for (const EdgeId id : drive.graph.edgesOf(leaving)) {
+    const auto& edge = drive.graph.edgeSlots()[id.value];
+    its_own += dynamic_cast<const CEdgeLoopClosure*>(edge.get()) ? 1 : 0;
+  }
+  const GraphDelta removal = removalOf(drive.graph, leaving, {});
+  closer.forget(drive.graph, leaving);
+  drive.graph.apply(removal);
+  drive.optimize();
+  EXPECT_EQ(closer.closures(), closures - its_own);
+  EXPECT_TRUE(closer.review(drive.graph).empty());
+  // And goes on; indices of keyframes are no longer the truth's, so it sees nothing.
+  blind = true;
+  drive.addKeyframe();
+  EXPECT_TRUE(closer.close(drive.graph, drive.optimizer).empty());
+  EXPECT_EQ(closer.closures(), closures - its_own);
+  EXPECT_THROW(closer.forget(drive.graph, leaving), std::out_of_range);
 }
 
 }  // namespace

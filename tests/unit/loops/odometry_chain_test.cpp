@@ -64,5 +64,20 @@ TEST_F(OdometryChains, PathGrowsWithNewKeyframes) {
   EXPECT_EQ(chain_.pathBetween_m(3, 8), chain_.pathBetween_m(8, 3));
 }
 
+TEST_F(OdometryChains, AKeyframeThatLeavesLeavesItsPathAndItsOdometry) {
+  const auto before = chain_.between(2, 9, kAny);
+  const double path_m = chain_.pathBetween_m(2, 9);
+  ASSERT_TRUE(before);
+  const std::size_t keyframes = chain_.size();
+  chain_.remove(5);
+  ASSERT_EQ(chain_.size(), keyframes - 1);
+  const auto after = chain_.between(2, 8, kAny);
+  ASSERT_TRUE(after);
+  EXPECT_LT(local(before->T, after->T).norm(), 1e-9);
+  EXPECT_LT((before->covariance - after->covariance).norm(), 1e-6 * before->covariance.norm());
+  EXPECT_DOUBLE_EQ(chain_.pathBetween_m(2, 8), path_m);
+  EXPECT_THROW(chain_.remove(keyframes), std::out_of_range);
+}
+
 }  // namespace
 }  // namespace dynemo

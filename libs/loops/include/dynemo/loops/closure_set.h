@@ -52,6 +52,9 @@ class ClosureSet {
   std::size_t add(const Closure& closure, const OdometryChain& chain);
   /// From now on the closure belongs to the set only where at least two members agree with it.
   void doubt(std::size_t index) { doubtful_[index] = true; }
+  /// A keyframe leaves the graph: its closures leave the set, and keyframes after it count one less.
+  /// Returns, per closure there was, whether it stays; indices of those that do close up.
+  std::vector<bool> removeKeyframe(std::size_t keyframe);
   /// Takes no further notice of a closure.
   void discard(std::size_t index) { discarded_[index] = true; }
   bool discarded(std::size_t index) const { return discarded_[index]; }

@@ -36,6 +36,10 @@ class LoopCloser {
   /// Takes out closures that the optimised graph contradicts. The delta must be applied.
   GraphDelta review(const CSceneGraph& graph);
 
+  /// A keyframe is about to leave the graph. Its closures are not looked at again: what they say
+  /// stays in the edges that replace them. Throws std::out_of_range when there is none of that id.
+  void forget(const CSceneGraph& graph, NodeId keyframe);
+
   /// Every decision so far, in order.
   const std::vector<LoopRecord>& records() const { return records_; }
   /// Closures in the graph.

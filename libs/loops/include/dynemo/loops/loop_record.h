@@ -26,7 +26,9 @@ struct LoopRecord {
   NodeId earlier{}, later{};
   Stamp earlier_stamp, later_stamp;
   LoopCandidate candidate;
-  FilteredPair filtered;
+  /// What became of the entities, and how many points left the scans.
+  std::vector<EntityDecision> entities;
+  std::size_t removed_earlier = 0, removed_later = 0;
   std::size_t scan_points_earlier = 0, scan_points_later = 0;
   /// T_earlier_later.
   Pose3 seed;

@@ -13,6 +13,9 @@ class OdometryChain {
  public:
   /// Takes over the keyframes and odometry edges that were added since the last call.
   void extend(const CSceneGraph& graph);
+  /// A keyframe leaves the graph: the odometry to and from it becomes one link, and those after it
+  /// count one less. Throws std::out_of_range when there is none of that index.
+  void remove(std::size_t keyframe);
 
   std::size_t size() const { return links_.size(); }
   /// Path driven from the first keyframe, in straight lines between keyframes [m].

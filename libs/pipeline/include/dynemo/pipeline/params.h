@@ -8,6 +8,7 @@
 #include "dynemo/core/fields.h"
 #include "dynemo/exporters/export_params.h"
 #include "dynemo/ingest/ingest_params.h"
+#include "dynemo/life/life_params.h"
 #include "dynemo/loops/loop_params.h"
 #include "dynemo/mapping/delta_builder.h"
 #include "dynemo/mapping/keyframe_policy.h"
@@ -40,6 +41,7 @@ struct DynemoParams {
   KeyframeParams keyframes;
   MappingParams mapping;
   LoopParams loops;
+  LifeParams life;
   SolverParams solver;
   FrameRefinementParams trajectory;
   /// Registered exporters whose files the run folder gets.

@@ -11,6 +11,7 @@
 #include "dynemo/exporters/run_result.h"
 #include "dynemo/graph/scene_graph.h"
 #include "dynemo/ingest/sensor_frame.h"
+#include "dynemo/life/keyframe_trail.h"
 #include "dynemo/loops/loop_closer.h"
 #include "dynemo/mapping/delta_builder.h"
 #include "dynemo/mapping/keyframe_policy.h"
@@ -60,6 +61,8 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   /// allows it.
   const std::optional<Matrix6>& driftCovariance() const { return drift_covariance_; }
   const std::vector<OptimizationRecord>& optimizations() const { return optimizations_; }
+  /// Keyframes that have left the graph.
+  std::size_t keyframesLeft() const { return trail_.left(); }
   /// Every decision about a loop closure so far.
   const std::vector<LoopRecord>& loops() const { return loops_.records(); }
   /// Counted warnings of all stages.
@@ -102,6 +105,8 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   KeyframeData select(Chosen& chosen, FrameTiming& timing);
   void map(const KeyframeData& keyframe, FrameTiming& timing);
   void closeLoops(FrameTiming& timing);
+  /// Takes keyframes out of the graph where there are more than it needs.
+  void makeRoom(FrameTiming& timing);
   void optimize(const SensorFrame& frame, FrameTiming& timing);
 
   /// Planes of the scan without the faces of entities, and which of them is the ground.
@@ -129,8 +134,9 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   std::optional<Chosen> waiting_;  ///< until the motion to the next frame is known
   std::vector<FramePose> frames_;
   std::vector<FrameMeasurements> measurements_;  ///< of each frame
+  KeyframeTrail trail_;
   std::vector<std::size_t>
-      keyframe_of_frame_;  ///< index of the latest keyframe at or before each frame
+      keyframe_of_frame_;  ///< in the trail: the latest keyframe at or before each frame
   std::map<NodeId, Matrix6> entity_covariances_;
   std::map<NodeId, Matrix3> plane_covariances_;
   std::vector<Pose3> keyframes_without_closures_;

@@ -1,0 +1,147 @@
+// A robot that goes over one floor again and again, with and without a bounded life: time per
+// keyframe, memory, and the error of its whole trajectory. DYNEMO_LIFE_KEYFRAMES sets how long it
+// goes on; "early" is around the tenth part of that, "late" at its end. Without the bounded life
+// only every tenth keyframe is optimised, which is enough for the error.
+#include <benchmark/benchmark.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <fstream>
+#include <string>
+
+#include "dynemo/backend/optimizer.h"
+#include "dynemo/evaluation/alignment.h"
+#include "dynemo/life/keyframe_retention.h"
+#include "dynemo/life/keyframe_trail.h"
+#include "dynemo/life/removal.h"
+#include "generated_truth.h"
+
+namespace dynemo {
+namespace {
+
+int keyframes() {
+  const char* text = std::getenv("DYNEMO_LIFE_KEYFRAMES");
+  return text && *text ? std::atoi(text) : 300;
+}
+
+test::WorldParams oneFloor() {
+  test::WorldParams params;
+  params.storeys = 1;
+  return params;
+}
+
+double cpuSeconds() {
+  timespec t{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+double residentMegabytes() {
+  std::ifstream statm("/proc/self/statm");
+  double pages = 0;
+  statm >> pages >> pages;
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1e6;
+}
+
+/// A run over the floor.
+class Run {
+ public:
+  explicit Run(const LifeParams& life)
+      : life_(life), world_(oneFloor()), optimizer_(SolverParams()) {}
+
+  void keyframe() {
+    graph_.apply(world_.nextKeyframe(graph_));
+    trail_.add(*graph_.keyframes().back());
+    const double start = cpuSeconds();
+    if (life_.bounded) shrink();
+    const double shrunk = cpuSeconds();
+    if (life_.bounded || removal_s_.size() % 10 == 0) optimizer_.optimize(graph_);
+    removal_s_.push_back(shrunk - start);
+    seconds_.push_back(cpuSeconds() - start);
+  }
+
+  void finish() { optimizer_.optimizeFully(graph_); }
+
+  /// Mean of the keyframes [begin, end) [ms].
+  double mean_ms(int begin, int end) const { return mean(seconds_, begin, end); }
+  double meanRemoval_ms(int begin, int end) const { return mean(removal_s_, begin, end); }
+
+  /// Of all keyframes ever, aligned.
+  double ate_m() const {
+    std::vector<Vector3> truth, estimate;
+    for (std::size_t k = 0; k < trail_.size(); ++k) {
+      truth.push_back(test::trueRobotPose(oneFloor(), static_cast<int>(k)).t);
+      estimate.push_back(trail_.T_map_base(k, graph_).t);
+    }
+    const auto T = alignPoints(truth, estimate);
+    if (!T) return std::nan("");
+    double sum = 0.0;
+    for (std::size_t k = 0; k < truth.size(); ++k)
+      sum += (truth[k] - *T * estimate[k]).squaredNorm();
+    return std::sqrt(sum / static_cast<double>(truth.size()));
+  }
+  const CSceneGraph& graph() const { return graph_; }
+
+ private:
+  static double mean(const std::vector<double>& all, int begin, int end) {
+    double sum = 0.0;
+    for (int k = begin; k < end; ++k) sum += all[static_cast<std::size_t>(k)];
+    return 1e3 * sum / std::max(1, end - begin);
+  }
+
+  void shrink() {
+    const std::vector<NodeId> surplus = surplusKeyframes(graph_, life_);
+    if (surplus.empty()) return;
+    trail_.hang(surplus, graph_);
+    for (const NodeId keyframe : surplus) graph_.apply(removalOf(graph_, keyframe, life_));
+  }
+
+  LifeParams life_;
+  test::GeneratedWorld world_;
+  CSceneGraph graph_;
+  Optimizer optimizer_;
+  KeyframeTrail trail_;
+  std::vector<double> seconds_, removal_s_;
+};
+
+void revisit(benchmark::State& state, const LifeParams& life) {
+  const int n = keyframes(), span = std::min(500, n / 10), early = n / 10;
+  for (auto _ : state) {
+    Run run(life);
+    double early_mb = 0.0;
+    for (int k = 0; k < n; ++k) {
+      run.keyframe();
+      if (k + 1 == early) early_mb = residentMegabytes();
+    }
+    const double late_mb = residentMegabytes();
+    run.finish();
+    state.counters["early_ms"] = run.mean_ms(early - span / 2, early + span / 2);
+    state.counters["late_ms"] = run.mean_ms(n - span, n);
+    state.counters["removal_ms"] = run.meanRemoval_ms(n - span, n);
+    state.counters["early_MB"] = early_mb;
+    state.counters["late_MB"] = late_mb;
+    state.counters["ate_mm"] = 1e3 * run.ate_m();
+    state.counters["keyframes"] = static_cast<double>(run.graph().keyframes().size());
+    state.counters["nodes"] = static_cast<double>(run.graph().nodeCount());
+    state.counters["edges"] = static_cast<double>(run.graph().edgeCount());
+  }
+}
+
+/// By the number of keyframes that stay per square and heading.
+void BM_Bounded(benchmark::State& state) {
+  LifeParams life;
+  life.bounded = true;
+  life.per_cell = static_cast<int>(state.range(0));
+  revisit(state, life);
+}
+BENCHMARK(BM_Bounded)->Arg(LifeParams().per_cell)->Iterations(1)->Unit(benchmark::kSecond);
+BENCHMARK(BM_Bounded)->Arg(2 * LifeParams().per_cell)->Iterations(1)->Unit(benchmark::kSecond);
+
+void BM_Unbounded(benchmark::State& state) { revisit(state, {}); }
+BENCHMARK(BM_Unbounded)->Iterations(1)->Unit(benchmark::kSecond);
+
+}  // namespace
+}  // namespace dynemo
