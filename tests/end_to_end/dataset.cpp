@@ -20,6 +20,8 @@ Dataset bundledSample() {
   return {fs::path(DYNEMO_SOURCE_DIR) / "rawlogs" / "rooms_agents", "rooms_agents"};
 }
 
+Dataset hallSample() { return {fs::path(DYNEMO_SOURCE_DIR) / "rawlogs" / "hall", "hall"}; }
+
 std::optional<Dataset> sample(const std::string& name) {
   const char* folder = std::getenv("DYNEMO_SAMPLES");
   if (folder == nullptr || *folder == '\0') return std::nullopt;

@@ -28,6 +28,8 @@ struct Dataset {
 
 /// rawlogs/rooms_agents of this project.
 Dataset bundledSample();
+/// rawlogs/hall: hand-held, simulated by this project.
+Dataset hallSample();
 /// A dataset of the folder that the environment variable DYNEMO_SAMPLES names; empty when unset.
 std::optional<Dataset> sample(const std::string& name);
 
