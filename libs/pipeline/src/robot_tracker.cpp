@@ -16,6 +16,23 @@ std::optional<SweepMotion> steadyMotion(const Pose3& T_last_base, double dt_s) {
   return SweepMotion{twistOf(T_last_base, dt_s), {}};
 }
 
+/// What lets odometry be as wrong as it must be if the robot cannot have moved as it says. A crowd
+/// that walks along drags a scan with it, and the Hessian of a slip is as large as any other.
+Matrix6 implausibility(const SweepMotion& before, const Pose3& T_prev_base, double dt_s) {
+  constexpr double kMaxAcceleration_m_s2 = 5.0, kMaxAcceleration_rad_s2 = 10.0;
+  const Vector6 surprise = local(before.at(dt_s), T_prev_base);
+  const auto excess = [&](const Vector3& d, double acceleration) -> Vector3 {
+    const double possible = acceleration * dt_s * dt_s;
+    return d.norm() > possible ? Vector3(d * (1.0 - possible / d.norm())) : Vector3::Zero();
+  };
+  const Vector3 translation = excess(surprise.head<3>(), kMaxAcceleration_m_s2);
+  const Vector3 rotation = excess(surprise.tail<3>(), kMaxAcceleration_rad_s2);
+  Matrix6 covariance = Matrix6::Zero();
+  covariance.topLeftCorner<3, 3>() = translation * translation.transpose();
+  covariance.bottomRightCorner<3, 3>() = rotation * rotation.transpose();
+  return covariance;
+}
+
 }  // namespace
 
 RobotTracker::RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry,
@@ -73,10 +90,15 @@ void RobotTracker::estimateFromScan(SensorFrame& frame, std::span<const std::uin
     scan_step_covariance_.reset();
     return;
   }
+  scan_step_covariance_ = estimate->covariance;
+  const bool velocity_known = scan_motion_ && !scan_motion_->motion.twist.vector().isZero(0.0);
+  if (velocity_known) {
+    *scan_step_covariance_ += implausibility(scan_motion_->motion, estimate->T_prev_base,
+                                             secondsBetween(scan_motion_->stamp, frame.stamp));
+  }
   motion_ = estimate->motion;
   scan_motion_ = Motion{frame.stamp, *T_level_odom_ * estimate->T_odom_base, estimate->motion};
   setOdometry(frame, scan_motion_);
-  scan_step_covariance_ = estimate->covariance;
   if (!scan_odometry_->measuresSweepMotion()) {
     const double sweep_s = 2.0 * middleOfSweep(frame.scan->cloud);
     *scan_step_covariance_ +=

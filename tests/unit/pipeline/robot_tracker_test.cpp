@@ -142,6 +142,25 @@ TEST(RobotTracker, KnowsTheRecordedMotionSinceTheLastFrame) {
   EXPECT_FALSE(tracker.motionSinceLast());
 }
 
+TEST(RobotTracker, AStepThatNoRobotMakesIsNotTrusted) {
+  const auto sigma_m = [](double last_step_m) {
+    RobotTracker tracker(withSource(OdometrySource::kLidar), false);
+    SensorFrame frame;
+    for (int i = 0; i <= 3; ++i) {
+      frame = scanFrame(0.1 * i, Pose3::translation(0.05 * i + (i == 3 ? last_step_m : 0), 0, 0));
+      tracker.estimate(frame);
+      tracker.locate(frame, {}, CSceneGraph());
+      if (i == 2) tracker.keyframeMade(frame);
+    }
+    const Matrix6 covariance = tracker.covarianceSinceKeyframe(frame, CSceneGraph());
+    return std::pair(std::sqrt(covariance(0, 0)), std::sqrt(covariance(1, 1)));
+  };
+  // 5 m/s² are 5 cm in a tenth of a second.
+  EXPECT_NEAR(sigma_m(0.4).first, 0.35, 0.03);
+  EXPECT_LT(sigma_m(0.4).second, 0.03);
+  EXPECT_LT(sigma_m(0.03).first, 0.01);
+}
+
 TEST(RobotTracker, MovingSweepsRegisteredAsTheyAreMakeTheOdometryLessCertain) {
   RobotOdometryParams params = withSource(OdometrySource::kLidar);
   params.lidar.method = "keyframe_gicp";
