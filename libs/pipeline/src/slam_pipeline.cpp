@@ -324,10 +324,10 @@ void SlamPipeline::updateTrajectory() {
     if (after >= trail_.size()) continue;
     const Pose3 T_from_after = carriedFrom(after, frame);
     const double span_s = secondsBetween(trail_.stamp(before), trail_.stamp(after));
-    const double s = span_s > 0.0 ? std::clamp(secondsBetween(trail_.stamp(before), frame.stamp) /
-                                                   span_s,
-                                               0.0, 1.0)
-                                  : 0.0;
+    const double s =
+        span_s > 0.0
+            ? std::clamp(secondsBetween(trail_.stamp(before), frame.stamp) / span_s, 0.0, 1.0)
+            : 0.0;
     frame.T_map_base = interpolate(frame.T_map_base, T_from_after, s);
   }
 }
@@ -338,9 +338,17 @@ void SlamPipeline::refineTrajectory() {
     std::size_t end = begin + 1;
     while (end < frames_.size() && keyframe_of_frame_[end] == keyframe_of_frame_[begin]) ++end;
     const std::size_t count = std::min(end + 1, frames_.size()) - begin;
-    refineFrames(graph_, keyframe_of_frame_[begin], entity_covariances_,
-                 std::span(measurements_).subspan(begin, count), params_.trajectory,
-                 std::span(frames_).subspan(begin, count));
+    // Where the keyframe has left the graph, the places of what was seen then have, too.
+    const auto& keyframes = graph_.keyframes();
+    const Stamp stamp = trail_.stamp(keyframe_of_frame_[begin]);
+    const auto keyframe =
+        std::lower_bound(keyframes.begin(), keyframes.end(), stamp,
+                         [](const auto& node, Stamp at) { return node->stamp < at; });
+    if (keyframe != keyframes.end() && (*keyframe)->stamp == stamp) {
+      refineFrames(graph_, static_cast<std::size_t>(keyframe - keyframes.begin()),
+                   entity_covariances_, std::span(measurements_).subspan(begin, count),
+                   params_.trajectory, std::span(frames_).subspan(begin, count));
+    }
     begin = end;
   }
 }

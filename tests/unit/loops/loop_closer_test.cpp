@@ -239,10 +239,10 @@ TEST(LoopCloser, WithoutClosuresTheGraphIsItsOdometry) {
 TEST(LoopCloser, ForgetsKeyframesThatLeave) {
   test::LoopGraph drive;
   bool blind = false;
-  LoopCloser closer({}, std::make_unique<TruthMatcher>(
-                            drive, [&](std::size_t, std::size_t) {
-                              return blind ? std::nullopt : std::optional(Pose3());
-                            }));
+  const LoopParams params;
+  LoopCloser closer(params, std::make_unique<TruthMatcher>(drive, [&](std::size_t, std::size_t) {
+                      return blind ? std::nullopt : std::optional(Pose3());
+                    }));
   for (int i = 0; i < 2 * kLap; ++i) {
     drive.addKeyframe();
     drive.graph.apply(closer.close(drive.graph, drive.optimizer));
