@@ -54,14 +54,13 @@ class Chain {
     add(edge, covariance, {});
   }
 
-  /// False when it cannot be solved.
-  bool solve(std::span<FramePose> frames) {
+  /// The frames [begin, end) of the solution; all as they were where there is none.
+  void solve(std::size_t begin, std::size_t end, std::span<FramePose> frames) {
     CSceneGraph graph;
     graph.apply(delta_);
-    if (!Optimizer(SolverParams()).optimizeFully(graph).usable()) return false;
-    for (std::size_t i = 0; i < frames.size(); ++i)
+    if (!Optimizer(SolverParams()).optimizeFully(graph).usable()) return;
+    for (std::size_t i = begin; i < end; ++i)
       frames[i].T_map_base = graph.keyframes()[i]->T_map_base();
-    return true;
   }
 
  private:
@@ -131,7 +130,7 @@ void refineFrames(const CSceneGraph& graph, std::size_t keyframe,
     chain.link(i, frames[i - 1].T_odom_base.inverse() * frames[i].T_odom_base,
                measurements[i].step_covariance);
   }
-  chain.solve(frames);
+  chain.solve(1, end, frames);
 }
 
 }  // namespace dynemo

@@ -111,7 +111,9 @@ TEST_F(Drive, BetweenKeyframesTheCorrectionIsBlendedByTime) {
 }
 
 TEST_F(Drive, AfterTheLastKeyframeTheOdometryContinuesFromIt) {
-  drive();
+  DynemoParams params = externalOnly();
+  params.trajectory.objects = false;
+  drive(params);
   const CNodeKeyframe& last = *pipeline_->graph().keyframes().back();
   const FramePose& frame = pipeline_->frames().back();
   ASSERT_NE(keyframeOf(kFrames - 1), &last) << "the last frame must lie beyond the last keyframe";
