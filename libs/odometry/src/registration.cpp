@@ -20,6 +20,9 @@ using Vector18 = Eigen::Matrix<double, 18, 1>;
 using Matrix18 = MotionCovariance;
 /// Keeps the metric regular when all points lie on a line through the base [m²].
 constexpr double kMassFloor = 1e-4;
+/// Of points of scan lines, in final distances of correspondences: farther away they would find
+/// surfaces that they are not on.
+constexpr double kLineReach = 2.0;
 /// Factors of the powers of τ in the motion.
 constexpr std::array<double, NormalEquations::kDegree + 1> kTaylor{1.0, 1.0, 0.5};
 
@@ -135,6 +138,8 @@ void Solver::linearizeBlock(const Iterate& at, const Strictness& strictness, std
   // A line does not tell how its surface faces, but it has been seen.
   CorrespondenceGate line_gate = gate;
   line_gate.min_normal_cosine = 0.0F;
+  line_gate.max_distance_m =
+      std::min(gate.max_distance_m, static_cast<float>(kLineReach * params_.min_correspondence_m));
   Correspondence match;
   WeightedResidual r{};
   for (std::size_t i = begin; i < end; ++i) {
