@@ -47,6 +47,12 @@ TEST_F(Viewer, ListsTheDetectionsOfAnAnnotatedLog) {
                "521 .*CObservationRobotPose", "[0-9]+ .*CObservation.DFeatures"});
 }
 
+TEST_F(Viewer, ListsWhatTheSimulatorRecorded) {
+  expectShown(hallSample().rawlog().string(),
+              {"151 .*CObservationPointCloud", "CObservationImage", "601 .*CObservationOdometry",
+               "601 .*CObservationRobotPose"});
+}
+
 TEST_F(Viewer, ListsWhatIsLeftOfATrimmedAndRelabelledLog) {
   make({"trim", sample.rawlog().string(), "--from", "10", "--to", "20", "-o", path("part.rawlog")});
   make({"relabel", path("part.rawlog"), "--label", "camera=front", "-o", path("new.rawlog")});
