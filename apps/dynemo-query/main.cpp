@@ -52,8 +52,10 @@ class Question {
   }
 
   void moved() {
-    const auto moves = query_.moved(timeOr(o_.from, "--from", query_.begin()),
-                                    timeOr(o_.to, "--to", query_.end()));
+    const Stamp from = timeOr(o_.from, "--from", query_.begin());
+    const Stamp to = timeOr(o_.to, "--to", query_.end());
+    if (to < from) throw ConfigError("--to: is before --from");
+    const auto moves = query_.moved(from, to);
     print(o_.json ? movedJson(moves) : movedText(moves, query_.begin()));
   }
 

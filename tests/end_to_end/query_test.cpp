@@ -242,6 +242,7 @@ TEST(Query, RefusesWhatItCannotAnswer) {
   expectError(ask({run, "where", "table"}), kUsage,
               "no entity 'table' in the map; known: 1 (box 1)");
   expectError(ask({run, "where", "1", "--at", "noon"}), kUsage, "--at noon");
+  expectError(ask({run, "moved", "--from", "+40", "--to", "+20"}), kUsage, "before --from");
   expectError(ask({run, "near", "1,2"}), kUsage, "near 1,2: must be X,Y,Z");
   expectError(ask({"where", "1"}), kUsage, "RUN_DIR");
   expectError(ask({run}), kUsage, "subcommand");
