@@ -34,25 +34,25 @@ inside bash -c 'mountpoint -q /proc || mount -t proc proc /proc' 2>/dev/null || 
 for package in dynemo-slam libdynemo-dev g++; do
   ! installed "$package" || fail "$package is installed there: this is no clean system"
 done
-mkdir -p "$root/work"
-cp "$packages"/*.deb "$root/work/"
-cp -r "$source/rawlogs/rooms_agents" "$root/work/"
+mkdir -p "$root/trial"
+cp "$packages"/*.deb "$root/trial/"
+cp -r "$source/rawlogs/rooms_agents" "$root/trial/"
 
 step "dynemo-slam"
 inside apt-get update -q
-inside bash -c 'apt-get install -y -q --no-install-recommends /work/dynemo-slam_*.deb' >"$root/work/apt.log"
+inside bash -c 'apt-get install -y -q --no-install-recommends /trial/dynemo-slam_*.deb' >"$root/trial/apt.log"
 ! installed g++ || fail "the programs' package brings a compiler"
-sample=/work/rooms_agents/rooms_agents
-inside dynemo-slam --quiet --setup full --entities "${sample}_entities.yaml" --output /work/run "$sample.rawlog"
-inside dynemo-eval --reference "${sample}_gt_robot.tum" --entities-reference "${sample}_gt_entities.csv" /work/run |
+sample=/trial/rooms_agents/rooms_agents
+inside dynemo-slam --quiet --setup full --entities "${sample}_entities.yaml" --output /trial/run "$sample.rawlog"
+inside dynemo-eval --reference "${sample}_gt_robot.tum" --entities-reference "${sample}_gt_entities.csv" /trial/run |
   sed -n '/Trajectory/,/^$/p'
-inside dynemo-query /work/run moved
+inside dynemo-query /trial/run moved
 inside dynemo-prep check "$sample.rawlog" | tail -1
 for format in html gltf ply spark-dsg 3dscene g2o; do
-  inside dynemo-export /work/run --format "$format" --output "/work/exported.$format"
-  [[ -s $root/work/exported.$format ]] || fail "dynemo-export wrote no $format"
+  inside dynemo-export /trial/run --format "$format" --output "/trial/exported.$format"
+  [[ -s $root/trial/exported.$format ]] || fail "dynemo-export wrote no $format"
 done
-inside dynemo-batch "$sample.rawlog" --jobs 1 --work /work/batch --set 'outputs=[trajectory]' | tail -2
+inside dynemo-batch "$sample.rawlog" --jobs 1 --work /trial/batch --set 'outputs=[trajectory]' | tail -2
 
 step "manual pages and completion"
 programs=$(inside dpkg -L dynemo-slam | sed -n 's|^/usr/bin/||p')
@@ -63,8 +63,8 @@ done
 inside bash "/dev/stdin" /usr/bin /usr/share/bash-completion/completions <"$source/tests/install/completion_test.sh"
 
 step "libdynemo-dev, and the example against it"
-inside bash -c 'apt-get install -y -q --no-install-recommends /work/libdynemo-dev_*.deb g++ cmake make' >>"$root/work/apt.log"
-inside cmake -S /usr/share/dynemo/examples/query -B /work/example -DCMAKE_BUILD_TYPE=Release >"$root/work/cmake.log"
-inside cmake --build /work/example >>"$root/work/cmake.log"
-inside /work/example/query_example /work/run
+inside bash -c 'apt-get install -y -q --no-install-recommends /trial/libdynemo-dev_*.deb g++ cmake make' >>"$root/trial/apt.log"
+inside cmake -S /usr/share/dynemo/examples/query -B /trial/example -DCMAKE_BUILD_TYPE=Release >"$root/trial/cmake.log"
+inside cmake --build /trial/example >>"$root/trial/cmake.log"
+inside /trial/example/query_example /trial/run
 step "all is well"

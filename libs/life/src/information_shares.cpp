@@ -23,11 +23,7 @@ void addTo(MatrixX& sum, const PairMeasurement& m, double share) {
 
 /// The largest share of one measurement that the remaining information (its inverse given) allows.
 double headroom(const MatrixX& remaining_inverse, const PairMeasurement& m) {
-  MatrixX joint(m.size_a + m.size_b, m.size_a + m.size_b);
-  joint << remaining_inverse.block(m.at_a, m.at_a, m.size_a, m.size_a),
-      remaining_inverse.block(m.at_a, m.at_b, m.size_a, m.size_b),
-      remaining_inverse.block(m.at_b, m.at_a, m.size_b, m.size_a),
-      remaining_inverse.block(m.at_b, m.at_b, m.size_b, m.size_b);
+  const MatrixX joint = jointBlock(remaining_inverse, m.at_a, m.size_a, m.at_b, m.size_b);
   const Eigen::LLT<MatrixX> llt(m.information);
   const MatrixX LtJ = llt.matrixU() * m.J;
   const Eigen::SelfAdjointEigenSolver<MatrixX> eigen(LtJ * joint * LtJ.transpose(),
@@ -38,6 +34,13 @@ double headroom(const MatrixX& remaining_inverse, const PairMeasurement& m) {
 bool isPositive(const MatrixX& m) { return Eigen::LLT<MatrixX>(m).info() == Eigen::Success; }
 
 }  // namespace
+
+MatrixX jointBlock(const MatrixX& all, int at_a, int size_a, int at_b, int size_b) {
+  MatrixX joint(size_a + size_b, size_a + size_b);
+  joint << all.block(at_a, at_a, size_a, size_a), all.block(at_a, at_b, size_a, size_b),
+      all.block(at_b, at_a, size_b, size_a), all.block(at_b, at_b, size_b, size_b);
+  return joint;
+}
 
 std::vector<double> informationShares(const MatrixX& information,
                                       const std::vector<PairMeasurement>& measurements,

@@ -8,6 +8,9 @@
 
 namespace dynemo::life {
 
+/// The rows and columns of two blocks of a square matrix, side by side.
+MatrixX jointBlock(const MatrixX& all, int at_a, int size_a, int at_b, int size_b);
+
 /// A measurement of two blocks of a vector: e = J [x_a; x_b].
 struct PairMeasurement {
   int at_a = 0, size_a = 0, at_b = 0, size_b = 0;

@@ -106,10 +106,7 @@ double logDeterminant(const MatrixX& m) {
 double mutualInformation(const LocalMarginal& marginal, std::size_t a, std::size_t b) {
   const int at_a = marginal.offset(a), n_a = marginal.offset(a + 1) - at_a;
   const int at_b = marginal.offset(b), n_b = marginal.offset(b + 1) - at_b;
-  const MatrixX& S = marginal.covariance();
-  MatrixX joint(n_a + n_b, n_a + n_b);
-  joint << S.block(at_a, at_a, n_a, n_a), S.block(at_a, at_b, n_a, n_b),
-      S.block(at_b, at_a, n_b, n_a), S.block(at_b, at_b, n_b, n_b);
+  const MatrixX joint = jointBlock(marginal.covariance(), at_a, n_a, at_b, n_b);
   return 0.5 * (logDeterminant(joint.topLeftCorner(n_a, n_a)) +
                 logDeterminant(joint.bottomRightCorner(n_b, n_b)) - logDeterminant(joint));
 }
@@ -168,10 +165,7 @@ PairMeasurement measurementOf(const LocalMarginal& marginal, const Pair& pair) {
   m.size_a = marginal.offset(pair.a + 1) - m.at_a;
   m.size_b = marginal.offset(pair.b + 1) - m.at_b;
   m.J = marginal.jacobian(*pair.edge, pair.a, pair.b);
-  const MatrixX& S = marginal.covariance();
-  MatrixX joint(m.size_a + m.size_b, m.size_a + m.size_b);
-  joint << S.block(m.at_a, m.at_a, m.size_a, m.size_a), S.block(m.at_a, m.at_b, m.size_a, m.size_b),
-      S.block(m.at_b, m.at_a, m.size_b, m.size_a), S.block(m.at_b, m.at_b, m.size_b, m.size_b);
+  const MatrixX joint = jointBlock(marginal.covariance(), m.at_a, m.size_a, m.at_b, m.size_b);
   const MatrixX covariance = m.J * joint * m.J.transpose();
   m.information = Eigen::LLT<MatrixX>(covariance)
                       .solve(MatrixX::Identity(covariance.rows(), covariance.rows()));

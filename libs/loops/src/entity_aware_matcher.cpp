@@ -41,8 +41,9 @@ EntityAwareMatch EntityAwareMatcher::match(const CSceneGraph& graph, const LoopP
   FilteredPair filtered = prefilter_->filter(graph, pair, measured);
   if (leaveOutTheSame(filtered, first.filtered)) return first;
   EntityAwareMatch second = matchWithout(std::move(filtered), pair, measured);
+  if (!second.match) return first;
   second.seed_inlier_ratio = first.seed_inlier_ratio;
-  return second.match ? second : first;
+  return second;
 }
 
 EntityAwareMatch EntityAwareMatcher::matchWithout(FilteredPair filtered, const LoopPair& pair,

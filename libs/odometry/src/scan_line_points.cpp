@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <span>
 #include <utility>
 
 namespace dynemo {
@@ -26,50 +25,6 @@ constexpr int kDirections = 6;
 /// Between lines of one sweep.
 constexpr float kLineGap_rad = 0.007F;
 
-/// Largest gap between neighbours along the direction, as a share of their extent.
-float largestGap(std::span<const Eigen::Vector3f> points, const Eigen::Vector3f& direction,
-                 std::vector<float>& along) {
-  along.clear();
-  for (const Eigen::Vector3f& p : points) along.push_back(direction.dot(p));
-  std::sort(along.begin(), along.end());
-  float gap = 0.0F;
-  for (std::size_t i = 1; i < along.size(); ++i) gap = std::max(gap, along[i] - along[i - 1]);
-  return gap / (along.back() - along.front());
-}
-
-/// Whether the points cover an area and not just two lines in it.
-bool cover(std::span<const Eigen::Vector3f> points, const Eigen::Vector3f& u,
-           const Eigen::Vector3f& v) {
-  std::vector<float> along;
-  along.reserve(points.size());
-  for (int i = 0; i < kDirections; ++i) {
-    const float angle = std::numbers::pi_v<float> * static_cast<float>(i) / kDirections;
-    if (largestGap(points, std::cos(angle) * u + std::sin(angle) * v, along) > kMaxGap)
-      return false;
-  }
-  return true;
-}
-
-std::optional<Eigen::Vector3f> normalOf(std::span<const Eigen::Vector3f> points) {
-  const Eigen::Vector3f origin = points.front();
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
-  for (const Eigen::Vector3f& p : points) {
-    const Eigen::Vector3f d = p - origin;
-    sum += d;
-    squares.noalias() += d * d.transpose();
-  }
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
-  solver.computeDirect(squares - sum * sum.transpose() / static_cast<float>(points.size()));
-  const Eigen::Vector3f& spread = solver.eigenvalues();
-  if (!(spread[1] > kMinCover * spread[2] && spread[0] <= kMaxFlatness * spread[1] &&
-        spread[0] <= kMaxDeviation_m * kMaxDeviation_m * static_cast<float>(points.size())))
-    return std::nullopt;
-  const auto& axes = solver.eigenvectors();
-  if (!cover(points, axes.col(1), axes.col(2))) return std::nullopt;
-  return axes.col(0);
-}
-
 }  // namespace
 
 std::optional<Eigen::Vector3f> ScanLinePoints::add(const Eigen::Vector3f& point,
@@ -86,10 +41,44 @@ std::optional<Eigen::Vector3f> ScanLinePoints::add(const Eigen::Vector3f& point,
     neighbors_.push_back({point, sweep_, elevation_rad});
   }
   if (neighbors_.size() < kMinNeighbors || !onThreeLines()) return std::nullopt;
-  std::vector<Eigen::Vector3f> points;
-  points.reserve(neighbors_.size());
-  for (const LinePoint& n : neighbors_) points.push_back(n.p);
-  return normalOf(points);
+  return normalOfNeighbors();
+}
+
+std::optional<Eigen::Vector3f> ScanLinePoints::normalOfNeighbors() {
+  fitted_.clear();
+  for (const LinePoint& n : neighbors_) fitted_.push_back(n.p);
+  const Eigen::Vector3f origin = fitted_.front();
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
+  for (const Eigen::Vector3f& p : fitted_) {
+    const Eigen::Vector3f d = p - origin;
+    sum += d;
+    squares.noalias() += d * d.transpose();
+  }
+  const auto count = static_cast<float>(fitted_.size());
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> solver;
+  solver.computeDirect(squares - sum * sum.transpose() / count);
+  const Eigen::Vector3f& spread = solver.eigenvalues();
+  if (!(spread[1] > kMinCover * spread[2] && spread[0] <= kMaxFlatness * spread[1] &&
+        spread[0] <= kMaxDeviation_m * kMaxDeviation_m * count))
+    return std::nullopt;
+  const auto& axes = solver.eigenvectors();
+  if (!coverAnArea(axes.col(1), axes.col(2))) return std::nullopt;
+  return axes.col(0);
+}
+
+bool ScanLinePoints::coverAnArea(const Eigen::Vector3f& u, const Eigen::Vector3f& v) {
+  for (int i = 0; i < kDirections; ++i) {
+    const float angle = std::numbers::pi_v<float> * static_cast<float>(i) / kDirections;
+    const Eigen::Vector3f direction = std::cos(angle) * u + std::sin(angle) * v;
+    along_.clear();
+    for (const Eigen::Vector3f& p : fitted_) along_.push_back(direction.dot(p));
+    std::sort(along_.begin(), along_.end());
+    float gap = 0.0F;
+    for (std::size_t k = 1; k < along_.size(); ++k) gap = std::max(gap, along_[k] - along_[k - 1]);
+    if (gap > kMaxGap * (along_.back() - along_.front())) return false;
+  }
+  return true;
 }
 
 /// A line around a corner lies in a plane, too: its own.

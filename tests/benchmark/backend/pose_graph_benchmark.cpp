@@ -58,28 +58,29 @@ void BM_PoseGraphChordal(benchmark::State& state, const std::string& name) {
   phases.show(state);
 }
 
-void BM_PoseGraphCeres(benchmark::State& state, const std::string& name, Start start) {
+/// By their own clocks, which leave out building the problem.
+template <class Solve>
+auto solveByPeer(benchmark::State& state, const std::string& name, Start start, Solve solve)
+    -> std::invoke_result_t<Solve, const CSceneGraph&, double> {
   const auto graph = publicGraph(state, name, start);
-  if (!graph) return;
-  test::CeresResult result;
+  if (!graph) return {};
+  std::invoke_result_t<Solve, const CSceneGraph&, double> result;
   for (auto _ : state) {
-    // Its own clock leaves out building the problem.
-    result = test::solveWithCeres(*graph, 1e-6);
+    result = solve(*graph, 1e-6);
     state.SetIterationTime(result.seconds);
   }
-  state.counters["cost"] = result.cost_after;
   state.counters["steps"] = result.iterations;
+  return result;
+}
+
+void BM_PoseGraphCeres(benchmark::State& state, const std::string& name, Start start) {
+  state.counters["cost"] = solveByPeer(state, name, start, [](const auto&... all) {
+                             return test::solveWithCeres(all...);
+                           }).cost_after;
 }
 
 void BM_PoseGraphMrpt(benchmark::State& state, const std::string& name, Start start) {
-  const auto graph = publicGraph(state, name, start);
-  if (!graph) return;
-  test::MrptResult result;
-  for (auto _ : state) {
-    result = test::solveWithMrpt(*graph, 1e-6);
-    state.SetIterationTime(result.seconds);
-  }
-  state.counters["steps"] = result.iterations;
+  solveByPeer(state, name, start, [](const auto&... all) { return test::solveWithMrpt(all...); });
 }
 
 using Method = void (*)(benchmark::State&, const std::string&, Start);

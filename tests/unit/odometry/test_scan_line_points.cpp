@@ -70,6 +70,14 @@ TEST(ScanLinePoints, LinesOfOneSweepAreToldApartByTheirElevation) {
   EXPECT_TRUE(normal);
 }
 
+/// Two of three lines are so near each other that they are as good as one.
+TEST(ScanLinePoints, TheLinesMustCoverAnArea) {
+  ScanLinePoints lines;
+  addLine(lines, -0.45F, onPlane);
+  addLine(lines, 0.5F, onPlane);
+  EXPECT_FALSE(addLine(lines, 0.38F, onPlane));
+}
+
 TEST(ScanLinePoints, TheSameLineAgainAndAgainTellsNothing) {
   ScanLinePoints lines;
   for (int n = 0; n < 20; ++n) EXPECT_FALSE(addLine(lines, 0.0F, onPlane));

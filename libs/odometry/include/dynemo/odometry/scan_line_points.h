@@ -40,10 +40,16 @@ class ScanLinePoints {
   void gather(const CellCoordinates& home, const Eigen::Vector3f& point);
 
   bool onThreeLines();
+  /// Of the plane through the neighbours.
+  std::optional<Eigen::Vector3f> normalOfNeighbors();
+  /// Whether the neighbours cover an area of the plane that u and v span, and not just two lines.
+  bool coverAnArea(const Eigen::Vector3f& u, const Eigen::Vector3f& v);
 
   CellIndex index_;
   std::vector<Cell> cells_;
   std::vector<LinePoint> neighbors_;
+  std::vector<Eigen::Vector3f> fitted_;  ///< the neighbours' points
+  std::vector<float> along_;             ///< their places in one direction, in order
   std::uint32_t sweep_ = 0;
 };
 
