@@ -1,6 +1,7 @@
 #include "dynemo/core/output_file.h"
 
 #include <charconv>
+#include <set>
 #include <system_error>
 
 #include "dynemo/core/error.h"
@@ -31,7 +32,9 @@ void writeFileAtomically(const fs::path& file, const std::string& content) {
     out.close();
     if (!out) {
       fs::remove(temporary, ignored);
-      throw DataError(file.string() + ": cannot be written (disk full, or no permission?)");
+      const bool nowhere = file.has_parent_path() && !fs::exists(file.parent_path(), ignored);
+      throw DataError(file.string() + ": cannot be written (" +
+                      (nowhere ? "its folder does not exist)" : "disk full, or no permission?)"));
     }
   }
   std::error_code failure;
@@ -42,10 +45,26 @@ void writeFileAtomically(const fs::path& file, const std::string& content) {
   }
 }
 
+namespace {
+
+/// Nobody's other files are lost with a folder that is replaced.
+void requireReplaceable(const fs::path& folder, const std::map<std::string, std::string>& files) {
+  if (!fs::exists(folder)) return;
+  if (!fs::is_directory(folder))
+    throw DataError(folder.string() + ": cannot be replaced: is not a folder");
+  std::set<fs::path> extensions;
+  for (const auto& [name, content] : files) extensions.insert(fs::path(name).extension());
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (entry.is_directory() || !extensions.contains(entry.path().extension()))
+      throw DataError(folder.string() + ": is not replaced, because it also holds " +
+                      entry.path().filename().string());
+}
+
+}  // namespace
+
 void writeFolderAtomically(const fs::path& folder,
                            const std::map<std::string, std::string>& files) {
-  if (fs::exists(folder) && !fs::is_directory(folder))
-    throw DataError(folder.string() + ": cannot be replaced: is not a folder");
+  requireReplaceable(folder, files);
   const fs::path temporary = folder.string() + ".part";
   std::error_code failure, ignored;
   fs::remove_all(temporary, ignored);

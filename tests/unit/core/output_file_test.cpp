@@ -53,7 +53,12 @@ TEST_F(OutputFile, FullDiskIsAnError) {
 
 TEST_F(OutputFile, MissingFolderIsAnError) {
   EXPECT_THROW(AppendFile(folder_ / "missing" / "log.csv"), DataError);
-  EXPECT_THROW(writeFileAtomically(folder_ / "missing" / "x.txt", "x"), DataError);
+  try {
+    writeFileAtomically(folder_ / "missing" / "x.txt", "x");
+    ADD_FAILURE() << "written";
+  } catch (const DataError& e) {
+    EXPECT_NE(std::string(e.what()).find("folder does not exist"), std::string::npos) << e.what();
+  }
 }
 
 TEST_F(OutputFile, AtomicWriteReplacesAndLeavesNothingBehind) {
@@ -79,6 +84,28 @@ TEST_F(OutputFile, AFailedFolderKeepsWhatWasThere) {
   writeFileAtomically(folder_ / "x.txt", "mine");
   EXPECT_THROW(writeFolderAtomically(folder_ / "x.txt", {{"a.txt", "1"}}), DataError);
   EXPECT_EQ(contentOf(folder_ / "x.txt"), "mine");
+}
+
+TEST_F(OutputFile, AFolderWithOtherThingsInItIsNotReplaced) {
+  writeFolderAtomically(folder_ / "set", {{"a.txt", "1"}});
+  const auto expectKept = [&](const fs::path& other) {
+    try {
+      writeFolderAtomically(folder_ / "set", {{"a.txt", "2"}});
+      ADD_FAILURE() << "replaced";
+    } catch (const DataError& e) {
+      EXPECT_NE(std::string(e.what()).find(other.filename().string()), std::string::npos)
+          << e.what();
+    }
+    EXPECT_EQ(contentOf(folder_ / "set" / "a.txt"), "1");
+    EXPECT_TRUE(fs::exists(other));
+    fs::remove_all(other);
+  };
+  writeFileAtomically(folder_ / "set" / "thesis.tex", "years of work");
+  expectKept(folder_ / "set" / "thesis.tex");
+  fs::create_directory(folder_ / "set" / "photos");
+  expectKept(folder_ / "set" / "photos");
+  writeFolderAtomically(folder_ / "set", {{"a.txt", "2"}});
+  EXPECT_EQ(contentOf(folder_ / "set" / "a.txt"), "2");
 }
 
 TEST_F(OutputFile, FailedAtomicWriteKeepsWhatWasThere) {

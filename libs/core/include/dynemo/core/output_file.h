@@ -29,7 +29,7 @@ void writeFileAtomically(const std::filesystem::path& file, const std::string& c
 
 /// Replaces `folder` by one that holds exactly these files (content by name): complete or absent as
 /// above, but an earlier folder is gone for a moment. Throws DataError when it cannot be written,
-/// and when `folder` is something else than a folder.
+/// and when `folder` is no folder, or also holds folders or files of other extensions.
 void writeFolderAtomically(const std::filesystem::path& folder,
                            const std::map<std::string, std::string>& files);
 
