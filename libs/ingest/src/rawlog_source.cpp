@@ -31,6 +31,7 @@ class RawlogFrameSource : public FrameSource {
   std::optional<TimedItem> read();
   /// Reads on until the synchronizer has something new or the input ends.
   void advance();
+  void countNotUsed(const TimedItem& item);
   void endInput();
   void feed(TimedItem item);
   void feedTableUpTo(std::optional<Stamp> stamp);
@@ -110,9 +111,18 @@ void RawlogFrameSource::advance() {
   missing_.erase({item->role, item->label});
   if (selection_->uses(*item))
     order_.push(std::move(*item));
-  else if (item->role == SensorRole::kScan)
-    warnings_.count("scan of '" + item->label + "' not used");
+  else
+    countNotUsed(*item);
   while (auto ordered = order_.pop()) feed(std::move(*ordered));
+}
+
+void RawlogFrameSource::countNotUsed(const TimedItem& item) {
+  if (item.role == SensorRole::kScan) warnings_.count("scan of '" + item.label + "' not used");
+  if (item.role != SensorRole::kOdometry || selection_->hasOdometry()) return;
+  warnings_.count("odometry of '" + item.label + "' not used: " +
+                  (selection_->isOfOtherClock(item)
+                       ? "its clock is not that of the other sensors"
+                       : "it begins after the time in which sensors are looked for"));
 }
 
 void RawlogFrameSource::endInput() {

@@ -1,6 +1,8 @@
 #include "dynemo/ingest/sensor_selection.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 #include "dynemo/core/error.h"
 
@@ -37,6 +39,7 @@ SensorSelection::SensorSelection(const IngestParams& params,
   for (const std::string& label : detection_labels_) named_.insert({SensorRole::kDetection, label});
   chooseScans(params, beginning, origin);
   chooseImages(beginning);
+  findOtherClocks(params, beginning);
   chooseOdometry(params, beginning, origin);
   if (scan_label_)
     key_ = SensorRole::kScan;
@@ -70,6 +73,30 @@ void SensorSelection::chooseImages(const std::vector<TimedItem>& beginning) {
       image_rank_ = item.rank;
 }
 
+/// Odometry none of whose samples comes near the scans that were stored right before and after it.
+void SensorSelection::findOtherClocks(const IngestParams& params,
+                                      const std::vector<TimedItem>& beginning) {
+  // Twice what is ever sorted or interpolated over.
+  const double nearest_allowed_s =
+      2.0 * std::max(params.sync.sort_window_s, params.odometry.max_gap_s);
+  const SensorRole reference = scan_label_ ? SensorRole::kScan : SensorRole::kImage;
+  std::map<std::pair<int, std::string>, double> nearest_s;
+  const auto compareAlong = [&](auto first, auto last) {
+    std::optional<Stamp> frame;
+    for (auto it = first; it != last; ++it) {
+      if (it->role == reference) frame = it->stamp;
+      if (it->role != SensorRole::kOdometry || !frame) continue;
+      const double distance_s = std::abs(secondsBetween(*frame, it->stamp));
+      const auto [nearest, is_first] = nearest_s.try_emplace({it->rank, it->label}, distance_s);
+      nearest->second = std::min(nearest->second, distance_s);
+    }
+  };
+  compareAlong(beginning.begin(), beginning.end());
+  compareAlong(beginning.rbegin(), beginning.rend());
+  for (const auto& [odometry, distance_s] : nearest_s)
+    if (distance_s > nearest_allowed_s) other_clocks_.insert(odometry);
+}
+
 void SensorSelection::chooseOdometry(const IngestParams& params,
                                      const std::vector<TimedItem>& beginning,
                                      const std::string& origin) {
@@ -81,6 +108,7 @@ void SensorSelection::chooseOdometry(const IngestParams& params,
   std::set<std::string> labels;
   for (const TimedItem& item : beginning) {
     if (item.role != SensorRole::kOdometry || (!wanted.empty() && item.label != wanted)) continue;
+    if (isOfOtherClock(item)) continue;
     if (odometry_rank_ && item.rank > *odometry_rank_) continue;
     if (odometry_rank_ && item.rank < *odometry_rank_) labels.clear();
     odometry_rank_ = item.rank;
@@ -100,7 +128,8 @@ bool SensorSelection::uses(const TimedItem& item) const {
     case SensorRole::kDetection:
       return detection_labels_.empty() || detection_labels_.contains(item.label);
     case SensorRole::kOdometry:
-      return odometry_label_ == item.label && (!odometry_rank_ || odometry_rank_ == item.rank);
+      return odometry_label_ == item.label && (!odometry_rank_ || odometry_rank_ == item.rank) &&
+             !isOfOtherClock(item);
   }
   return false;
 }

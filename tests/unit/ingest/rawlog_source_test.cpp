@@ -227,6 +227,41 @@ TEST_F(RawlogSource, OdometryAloneGivesFramesToo) {
   expectNear(truePose(0.35), all[7].odometry->T_odom_base, kPoseTolerance);
 }
 
+TEST_F(RawlogSource, OdometryOfAnotherClockIsNotUsedAndLosesNoScan) {
+  for (const double offset_s : {-1.7e9, -3.0, 3.0, 1.7e9}) {
+    for (const bool odometry_first : {true, false}) {
+      SCOPED_TRACE(std::to_string(offset_s) + (odometry_first ? " first" : " second"));
+      {
+        RawlogWriter out(log_);
+        for (int i = 0; i < 50; ++i) {
+          if (odometry_first) out.write(poseObservation(0.1 * i + offset_s));
+          out.write(cloudObservation(0.1 * i));
+          if (!odometry_first) out.write(poseObservation(0.1 * i + offset_s));
+        }
+      }
+      const auto all = frames();
+      EXPECT_FALSE(source_->hasOdometry());
+      ASSERT_EQ(all.size(), 50U);
+      EXPECT_TRUE(all[7].scan);
+      EXPECT_FALSE(all[7].odometry);
+      EXPECT_EQ(warningCount(source_->report(), "its clock is not that of the other sensors"), 50U);
+    }
+  }
+}
+
+TEST_F(RawlogSource, OdometryOfTheRightClockIsPreferredToABetterKindOfAnother) {
+  RawlogWriter& out = open();
+  for (int i = 0; i < 50; ++i) {
+    out.write(poseObservation(0.1 * i - 1e6));
+    out.write(odometryObservation(0.1 * i));
+    out.write(cloudObservation(0.1 * i));
+  }
+  const auto all = frames();
+  EXPECT_TRUE(source_->hasOdometry());
+  ASSERT_EQ(all.size(), 50U);
+  EXPECT_TRUE(all[7].odometry);
+}
+
 TEST_F(RawlogSource, LidarThatStartsAfterTheOdometryIsFound) {
   RawlogWriter& out = open();
   for (int i = 0; i < 200; ++i) {

@@ -21,6 +21,11 @@ class SensorSelection {
                   bool csv_detections, const std::string& origin);
 
   bool uses(const TimedItem& item) const;
+  /// Whether this odometry is left out because its stamps come from another clock than the scans'
+  /// (without scans: the images'): it tells nothing of the motion between them.
+  bool isOfOtherClock(const TimedItem& odometry) const {
+    return other_clocks_.contains({odometry.rank, odometry.label});
+  }
   /// What the frames follow.
   SensorRole key() const { return key_; }
   /// Whether the beginning of the log carries odometry that is used.
@@ -32,13 +37,15 @@ class SensorSelection {
   void chooseScans(const IngestParams& params, const std::vector<TimedItem>& beginning,
                    const std::string& origin);
   void chooseImages(const std::vector<TimedItem>& beginning);
+  void findOtherClocks(const IngestParams& params, const std::vector<TimedItem>& beginning);
   void chooseOdometry(const IngestParams& params, const std::vector<TimedItem>& beginning,
                       const std::string& origin);
 
   std::optional<std::string> scan_label_;
   std::set<std::string> image_labels_, detection_labels_;  ///< empty: all
   std::optional<std::string> odometry_label_;
-  std::optional<int> image_rank_, odometry_rank_;  ///< the preferred class; empty: any
+  std::optional<int> image_rank_, odometry_rank_;       ///< the preferred class; empty: any
+  std::set<std::pair<int, std::string>> other_clocks_;  ///< odometries by rank and label
   SensorRole key_ = SensorRole::kOdometry;
   std::set<std::pair<SensorRole, std::string>> named_;
 };
