@@ -23,11 +23,13 @@ double Progress::elapsed_s() const {
 std::string Progress::text(double fraction, double dataset_s) const {
   const double wall_s = elapsed_s();
   const double factor = wall_s > 0 ? dataset_s / wall_s : 0.0;
-  const double eta_s = fraction > 0 ? wall_s * (1.0 - fraction) / fraction : 0.0;
   char numbers[128];
-  std::snprintf(numbers, sizeof(numbers), "%3.0f %%  %.1f s of data  %.1fx real time  ETA %.0f s",
-                100.0 * fraction, dataset_s, factor, eta_s);
-  return numbers;
+  std::snprintf(numbers, sizeof(numbers), "%3.0f %%  %.1f s of data  %.1fx real time",
+                100.0 * fraction, dataset_s, factor);
+  std::string text = numbers;
+  if (fraction <= 0) return text;
+  std::snprintf(numbers, sizeof(numbers), "  ETA %.0f s", wall_s * (1.0 - fraction) / fraction);
+  return text + numbers;
 }
 
 void Progress::update(double fraction, double dataset_s) {

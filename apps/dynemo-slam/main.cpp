@@ -98,6 +98,7 @@ void printSummary(const SlamPipeline& pipeline, const IngestReport& report, cons
   for (const auto& [text, count] : pipeline.warnings()) warnings[text] += count;
   for (const auto& [text, count] : warnings)
     std::cout << "warning     " << text << ": " << count << '\n';
+  for (const std::string& doubt : pipeline.doubts()) std::cout << "warning     " << doubt << '\n';
   char line[128];
   std::snprintf(line, sizeof(line),
                 "time        %.1f s for %.1f s of data (%.1fx real time), %.0f MB", cost.wall_s,
@@ -166,10 +167,9 @@ int run(const Options& o) {
     std::cerr << line << '\n';
   });
 
-  if (models.empty() && !o.detections) {
+  if (models.empty() && !o.detections && params.mapping.keyframe_entity) {
     pipeline.logStr(mrpt::system::LVL_WARN,
-                    "no --entities and no --detections: entities are taken from the rawlog's own "
-                    "detections only");
+                    "no --entities and no --detections: the map will hold no entities");
   }
   RunIdentity identity{
       DYNEMO_VERSION, o.config.setup.value_or("default"),

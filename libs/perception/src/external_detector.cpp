@@ -34,7 +34,7 @@ std::optional<EntityObservation> ExternalDetector::identify(const ExternalDetect
     return observation;
   }
   if (!stated) {
-    ++warnings_["unknown entity of an external detection"];
+    ++warnings_[kUnknownEntityWarning];
     return std::nullopt;
   }
   observation.semantic_class = *stated;

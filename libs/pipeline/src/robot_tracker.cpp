@@ -35,14 +35,20 @@ Matrix6 implausibility(const SweepMotion& before, const Pose3& T_prev_base, doub
 
 }  // namespace
 
+bool usesLidarOdometry(const RobotOdometryParams& params, bool rawlog_odometry) {
+  return params.source == OdometrySource::kLidar ||
+         (params.source == OdometrySource::kAuto && !rawlog_odometry);
+}
+
 RobotTracker::RobotTracker(const RobotOdometryParams& params, bool rawlog_odometry,
                            const PlaneParams& planes, const SweepDistortionParams& distortion)
     : params_(params), plane_params_(planes), distortion_(distortion) {
   if (params.source == OdometrySource::kRawlog && !rawlog_odometry) {
-    throw ConfigError("odometry.source: rawlog: the rawlog carries no odometry; use auto or lidar");
+    throw ConfigError(
+        "odometry.source: rawlog: the rawlog carries no odometry that can be used; use auto or "
+        "lidar");
   }
-  if (params.source == OdometrySource::kLidar ||
-      (params.source == OdometrySource::kAuto && !rawlog_odometry)) {
+  if (usesLidarOdometry(params, rawlog_odometry)) {
     scan_odometry_ = scanOdometries().make(params.lidar.method, params.lidar);
   }
 }
@@ -61,6 +67,7 @@ void RobotTracker::predict(SensorFrame& frame) {
 }
 
 void RobotTracker::estimate(SensorFrame& frame, std::span<const std::uint32_t> ignored) {
+  restarted_ = false;
   if (scan_odometry_ && frame.scan) estimateFromScan(frame, ignored);
 }
 
@@ -90,6 +97,8 @@ void RobotTracker::estimateFromScan(SensorFrame& frame, std::span<const std::uin
     scan_step_covariance_.reset();
     return;
   }
+  restarted_ = estimate->restarted;
+  if (restarted_) ++warnings_["LiDAR odometry: lost its way and began anew"];
   scan_step_covariance_ = estimate->covariance;
   const bool velocity_known = scan_motion_ && !scan_motion_->motion.twist.vector().isZero(0.0);
   if (velocity_known) {
@@ -116,10 +125,13 @@ Pose3 RobotTracker::locate(const SensorFrame& frame,
   Pose3 T_odom_base = last_T_odom_base_.value_or(Pose3());
   if (frame.odometry) {
     T_odom_base = frame.odometry->T_odom_base;
+    if (restarted_) ++guessed_frames_;
   } else {
     ++warnings_["frame without odometry"];
     if (const auto T_map_base = localizeFromEntities(observations, graph)) {
       T_odom_base = graph.T_map_odom.inverse() * *T_map_base;
+    } else if (last_T_odom_base_) {
+      ++guessed_frames_;
     }
   }
   if (last_T_odom_base_) {

@@ -183,6 +183,7 @@ Json summaryJson(const SlamPipeline& pipeline, const IngestReport& ingest,
   auto warnings = ingest.warnings;
   for (const auto& [text, count] : pipeline.warnings()) warnings[text] += count;
   summary["warnings"] = warnings;
+  summary["doubts"] = pipeline.doubts();
   return summary;
 }
 

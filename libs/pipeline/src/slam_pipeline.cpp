@@ -9,6 +9,7 @@
 #include "dynemo/mapping/ground_plane.h"
 #include "dynemo/odometry/deskew.h"
 #include "dynemo/perception/fragments.h"
+#include "dynemo/pipeline/doubts.h"
 
 namespace dynemo {
 namespace {
@@ -26,6 +27,7 @@ SlamPipeline::SlamPipeline(const DynemoParams& params, const EntityModels& model
                            bool rawlog_odometry)
     : mrpt::system::COutputLogger("dynemo"),
       params_(params),
+      entities_described_(!models.empty()),
       tracker_(params.odometry, rawlog_odometry, params.perception.planes,
                params.mapping.sweep_distortion),
       agent_points_(params.odometry.agents),
@@ -294,6 +296,7 @@ void SlamPipeline::finish() {
   updateTrajectory();
   updateCovariances();
   refineTrajectory();
+  for (const std::string& doubt : doubts()) logStr(mrpt::system::LVL_INFO, doubt);
   const auto& outputs = params_.outputs;
   if (loops_.closures() > 0 && std::find(outputs.begin(), outputs.end(), "map") != outputs.end())
     keyframes_without_closures_ = keyframesWithoutClosures(graph_, params_.solver);
@@ -375,6 +378,21 @@ void SlamPipeline::updateCovariances() {
   // origin.
   const Matrix6 A = composeJacobianLeft(graph_.keyframes().back()->T_odom_base.inverse());
   drift_covariance_ = A * (*blocks)[0] * A.transpose();
+}
+
+std::vector<std::string> SlamPipeline::doubts() const {
+  RunFacts run;
+  run.frames = frames_.size();
+  run.guessed_frames = tracker_.guessedFrames();
+  run.keyframes = trail_.size();
+  run.entities_mapped = params_.mapping.keyframe_entity;
+  run.entities_described = entities_described_;
+  run.entities = graph_.tracks().size();
+  for (const auto& detector : detectors_) {
+    const auto unknown = detector->warnings().find(kUnknownEntityWarning);
+    if (unknown != detector->warnings().end()) run.unknown_detections += unknown->second;
+  }
+  return doubtsAbout(run);
 }
 
 std::map<std::string, std::uint64_t> SlamPipeline::warnings() const {

@@ -56,7 +56,7 @@ TEST_F(ExternalDetector, AnUnlistedEntityNeedsAClass) {
   EXPECT_EQ(observations[0].entity, EntityId{8});
   EXPECT_EQ(observations[0].semantic_class, SemanticClass::kAgent);
   EXPECT_EQ(observations[0].name, "agent 8");
-  EXPECT_EQ(detector_->warnings().at("unknown entity of an external detection"), 1U);
+  EXPECT_EQ(detector_->warnings().at(kUnknownEntityWarning), 1U);
 }
 
 TEST_F(ExternalDetector, AnUnknownClassIsCounted) {

@@ -248,6 +248,7 @@ TEST(RobotTracker, WithoutOdometryTheMappedEntitiesTellWhereTheRobotIs) {
   const Pose3 T_odom_base =
       tracker.locate(frame, {observation(T_map_base.inverse() * T_map_box)}, graph);
   EXPECT_LT(local(T_map_base, graph.T_map_odom * T_odom_base).norm(), 1e-6);
+  EXPECT_EQ(tracker.guessedFrames(), 0u);
 }
 
 TEST(RobotTracker, WithoutAnyKnowledgeTheRobotIsTakenToStandStill) {
@@ -258,6 +259,26 @@ TEST(RobotTracker, WithoutAnyKnowledgeTheRobotIsTakenToStandStill) {
   blind.stamp = at(1);
   EXPECT_LT(local(T_odom_base, tracker.locate(blind, {}, CSceneGraph())).norm(), 1e-12);
   EXPECT_EQ(tracker.warnings().at("frame without odometry"), 1u);
+  EXPECT_EQ(tracker.guessedFrames(), 1u);
+}
+
+TEST(RobotTracker, LidarOdometryThatBeginsAnewIsCounted) {
+  RobotTracker tracker(withSource(OdometrySource::kLidar), false);
+  SensorFrame frame = scanFrame(0, Pose3());
+  tracker.estimate(frame);
+  tracker.locate(frame, {}, CSceneGraph());
+  EXPECT_EQ(tracker.guessedFrames(), 0u);
+  // Another place altogether, far from the map.
+  const int lost = withSource(OdometrySource::kLidar).lidar.local_map.max_lost_scans;
+  for (int i = 1; i <= lost; ++i) {
+    frame = scanFrame(0.1 * i, Pose3());
+    for (auto& p : frame.scan->cloud.points) p += Eigen::Vector3f(60, 0, 0);
+    tracker.estimate(frame);
+    tracker.locate(frame, {}, CSceneGraph());
+    EXPECT_EQ(frame.odometry.has_value(), i == lost) << i;
+  }
+  EXPECT_EQ(tracker.guessedFrames(), static_cast<std::uint64_t>(lost));
+  EXPECT_EQ(tracker.warnings().at("LiDAR odometry: lost its way and began anew"), 1u);
 }
 
 /// Variance along x after driving so far along x in steps.

@@ -15,6 +15,10 @@ namespace dynemo {
 
 struct PerceptionParams;
 
+/// What detectors call a detection that is left out because neither it nor the entity file says
+/// what its entity is.
+inline constexpr const char* kUnknownEntityWarning = "detection of an entity that is not described";
+
 /// Finds entities in a frame. Implementations may keep what they saw last to resolve ambiguities.
 class EntityDetector {
  public:

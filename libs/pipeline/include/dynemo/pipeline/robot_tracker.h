@@ -17,6 +17,9 @@
 
 namespace dynemo {
 
+/// Whether the motion is estimated from the scans, for a log that carries odometry or not.
+bool usesLidarOdometry(const RobotOdometryParams& params, bool rawlog_odometry);
+
 class RobotTracker {
  public:
   /// `rawlog_odometry`: the log carries odometry. `planes`: how the ground is found, on which LiDAR
@@ -55,6 +58,10 @@ class RobotTracker {
   const Matrix6& stepCovariance() const { return step_covariance_; }
   void keyframeMade(const SensorFrame& frame);
 
+  /// Frames located so far whose motion is a guess: that the robot stands still, or goes on as
+  /// before where LiDAR odometry has lost its way and begun anew.
+  std::uint64_t guessedFrames() const { return guessed_frames_; }
+
   const std::map<std::string, std::uint64_t>& warnings() const { return warnings_; }
 
  private:
@@ -83,6 +90,8 @@ class RobotTracker {
   /// The log's odometry of a frame whose odometry has been predicted.
   std::optional<OdometryState> log_odometry_;
   bool predicted_ = false;
+  bool restarted_ = false;  ///< LiDAR odometry, with the present scan
+  std::uint64_t guessed_frames_ = 0;
   std::optional<Pose3> last_T_odom_base_;
   Stamp last_stamp_;
   std::optional<SweepMotion> motion_;  ///< during the present sweep

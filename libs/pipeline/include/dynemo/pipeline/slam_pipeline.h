@@ -67,6 +67,8 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   const std::vector<LoopRecord>& loops() const { return loops_.records(); }
   /// Counted warnings of all stages.
   std::map<std::string, std::uint64_t> warnings() const;
+  /// Why the run as a whole should not be trusted; one sentence for each reason.
+  std::vector<std::string> doubts() const;
 
  private:
   /// Where the robot is at a frame.
@@ -121,6 +123,7 @@ class SlamPipeline : public mrpt::system::COutputLogger {
   void updateCovariances();
 
   DynemoParams params_;
+  bool entities_described_;
   RobotTracker tracker_;
   AgentPoints agent_points_;
   std::vector<std::unique_ptr<EntityDetector>> detectors_;
