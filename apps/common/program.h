@@ -24,7 +24,13 @@ inline int runProgram(CLI::App& app, int argc, char** argv, const std::function<
   } catch (const CLI::Success& e) {
     return app.exit(e);  // --help, --version
   } catch (const CLI::ParseError& e) {
-    return fail(std::string(e.what()) + " (see " + app.get_name() + " --help)", ExitStatus::kUsage);
+    std::string help = app.get_name();
+    for (const CLI::App* command : app.get_subcommands()) help += " " + command->get_name();
+    return fail(std::string(e.what()) + " (see " + help + " --help)", ExitStatus::kUsage);
+  } catch (const ConfigError& e) {
+    return fail(e.what(), ExitStatus::kUsage);
+  } catch (const DataError& e) {
+    return fail(e.what(), ExitStatus::kData);
   }
   try {
     return body();

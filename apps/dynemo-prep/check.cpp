@@ -1,6 +1,7 @@
 // check, tags
 #include <iostream>
 
+#include "../common/number_range.h"
 #include "../dynemo-slam/config_layers.h"
 #include "commands.h"
 #include "dynemo/core/error.h"
@@ -35,13 +36,15 @@ void print(const std::string& text) {
   if (!std::cout) throw DataError("standard output: cannot be written");
 }
 
-int check(const SurveyArguments& o, int tag_images, bool json) {
+int check(const SurveyArguments& o, int tag_images, int odometry_scans, bool json) {
   const DynemoParams config = loadParams(o.config);
   InspectionParams params;
   params.sensors = config.sensors;
+  params.odometry = config.odometry;
   params.tags.family = o.family;
   params.tags.finder = config.perception.tag_finder;
   params.tag_images = tag_images;
+  params.odometry_scans = odometry_scans;
   const Inspection inspection = inspectRawlog(o.rawlog, params);
   print(json ? inspectionJson(inspection) : inspectionText(inspection));
   return inspection.runnable() ? 0 : kNotRunnable;
@@ -71,7 +74,7 @@ int surveyTags(const SurveyArguments& o, std::optional<double> size_m, int min_s
 void declareCheck(CLI::App& program, std::vector<Command>& commands) {
   struct Options : SurveyArguments {
     bool json = false;
-    int tag_images = 40;
+    int tag_images = 40, odometry_scans = 100;
   };
   auto o = std::make_shared<Options>();
   auto* command = program.add_subcommand(
@@ -79,10 +82,17 @@ void declareCheck(CLI::App& program, std::vector<Command>& commands) {
   declareSurvey(*command, *o);
   command->add_flag("--json", o->json, "For programs");
   command->add_option("--tag-images", o->tag_images, "Images of each camera searched for tags")
-      ->check(CLI::Validator(CLI::NonNegativeNumber).description(""))
+      ->check(nonNegativeNumber())
       ->type_name("N")
       ->capture_default_str();
-  commands.push_back({command, [o] { return check(*o, o->tag_images, o->json); }});
+  command
+      ->add_option("--odometry-scans", o->odometry_scans,
+                   "Scans on which LiDAR odometry is tried when the log has no other")
+      ->check(nonNegativeNumber())
+      ->type_name("N")
+      ->capture_default_str();
+  commands.push_back(
+      {command, [o] { return check(*o, o->tag_images, o->odometry_scans, o->json); }});
 }
 
 void declareTags(CLI::App& program, std::vector<Command>& commands) {
@@ -96,10 +106,10 @@ void declareTags(CLI::App& program, std::vector<Command>& commands) {
       program.add_subcommand("tags", "Find the tags and draft an entity file that can be edited");
   declareSurvey(*command, *o);
   command->add_option("--size", o->size_m, "Side of the black squares; else measured by the LiDAR")
-      ->check(CLI::Validator(CLI::PositiveNumber).description(""))
+      ->check(positiveNumber())
       ->type_name("METRES");
   command->add_option("--min-sightings", o->min_sightings, "Leave out tags seen less often")
-      ->check(CLI::Validator(CLI::PositiveNumber).description(""))
+      ->check(positiveNumber())
       ->type_name("N")
       ->capture_default_str();
   command->add_option("-o,--output", o->output, "Entity file to write; must not exist")

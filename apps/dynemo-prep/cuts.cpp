@@ -1,4 +1,5 @@
 // trim, split, decimate, merge
+#include "../common/number_range.h"
 #include "commands.h"
 #include "rewrite_options.h"
 
@@ -32,6 +33,7 @@ void declareSplit(CLI::App& program, std::vector<Command>& commands) {
   declareRewrite(*command, *o);
   command->add_option("--every", o->duration_s, "Duration of a part")
       ->required()
+      ->check(positiveNumber())
       ->type_name("SECONDS");
   commands.push_back(
       {command,
@@ -52,10 +54,12 @@ void declareDecimate(CLI::App& program, std::vector<Command>& commands) {
   command
       ->add_option("--keep-every", o->decimation.keep_every,
                    "Keep the first of every N observations of a sensor")
+      ->check(positiveNumber())
       ->type_name("N");
   command
       ->add_option("--keep-points-every", o->decimation.keep_points_every,
                    "Keep the first of every N points of a point cloud")
+      ->check(positiveNumber())
       ->type_name("N");
   commands.push_back({command, [o] {
                         o->decimation.labels = {o->labels.begin(), o->labels.end()};

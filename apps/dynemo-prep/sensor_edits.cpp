@@ -37,12 +37,18 @@ std::vector<double> numbers(const std::string& text, const std::string& whole) {
   return values;
 }
 
-/// LABEL=x,y,z,qx,qy,qz,qw or LABEL=x,y,z,yaw,pitch,roll in degrees.
+constexpr const char* kPoseForms =
+    "LABEL=X,Y,Z,YAW,PITCH,ROLL in metres and degrees, or LABEL=X,Y,Z,QX,QY,QZ,QW";
+
+/// As kPoseForms says.
 void addSensor(const std::string& text, IngestParams& params) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw ConfigError("--sensor " + text + ": must be LABEL=X,Y,Z,QX,QY,QZ,QW");
+    throw ConfigError("--sensor " + text + ": must be " + kPoseForms);
   auto row = numbers(text.substr(equals + 1), text);
+  if (row.size() != 6 && row.size() != 7)
+    throw ConfigError("--sensor " + text + ": has " + std::to_string(row.size()) +
+                      " numbers; must be " + kPoseForms);
   if (row.size() == 6) {
     constexpr double kRad = std::numbers::pi / 180.0;
     const auto q =
@@ -63,8 +69,9 @@ void declareSetExtrinsics(CLI::App& program, std::vector<Command>& commands) {
   declareRewrite(*command, *o);
   command
       ->add_option("--sensor", o->sensors,
-                   "LABEL=X,Y,Z,QX,QY,QZ,QW or LABEL=X,Y,Z,YAW,PITCH,ROLL in degrees: pose of the "
-                   "sensor in the base frame, for cameras of the optical frame (repeatable)")
+                   std::string(kPoseForms) +
+                       ": pose of the sensor in the base frame, for cameras of the optical frame "
+                       "(repeatable)")
       ->type_name("LABEL=POSE")
       ->allow_extra_args(false);
   command

@@ -72,6 +72,27 @@ TEST_F(Prep, MissingAndWrongFilesAreOneErrorEach) {
   EXPECT_FALSE(fs::exists(path("o.rawlog")));
 }
 
+TEST_F(Prep, APoseThatIsNoneIsAnsweredWithBothForms) {
+  for (const char* sensor : {"camera=1,2,3", "camera", "camera=1,2,3,4,5,6,7,8"}) {
+    const Outcome outcome =
+        prep({"set-extrinsics", rawlog, "-o", path("o.rawlog"), "--sensor", sensor});
+    EXPECT_EQ(outcome.status, 2) << describe(outcome);
+    for (const char* form : {"X,Y,Z,YAW,PITCH,ROLL", "X,Y,Z,QX,QY,QZ,QW"})
+      EXPECT_NE(outcome.err.find(form), std::string::npos) << describe(outcome);
+  }
+  EXPECT_EQ(prep({"set-extrinsics", rawlog, "-o", path("six.rawlog"), "--sensor",
+                  "camera=0.2,0,0.45,-90,0,-90"})
+                .status,
+            0);
+}
+
+TEST_F(Prep, BoundsOfNumbersAreTold) {
+  const Outcome outcome = prep({"check", rawlog, "--tag-images", "-1"});
+  EXPECT_EQ(outcome.status, 2) << describe(outcome);
+  EXPECT_NE(outcome.err.find("--tag-images: -1: must be a number >= 0"), std::string::npos)
+      << outcome.err;
+}
+
 TEST_F(Prep, TheDraftedEntityFileRuns) {
   const Outcome tags = prep({"tags", rawlog, "-o", path("entities.yaml")});
   ASSERT_EQ(tags.status, 0) << describe(tags);
@@ -103,6 +124,23 @@ TEST_F(Prep, AnAnnotatedLogGivesTheSameMapWithoutACamera) {
   }
 }
 
+TEST_F(Prep, AnAnnotatedLogStillNeedsTheEntityFile) {
+  ASSERT_EQ(prep({"annotate", rawlog, "--entities", sample.entities().string(), "--drop-images",
+                  "-o", path("annotated.rawlog")})
+                .status,
+            0);
+  const Outcome check = prep({"check", path("annotated.rawlog")});
+  EXPECT_EQ(check.status, 0) << describe(check);
+  EXPECT_NE(check.out.find("entity file, which dynemo-slam still needs"), std::string::npos);
+  EXPECT_EQ(check.out.find("gaps, the longest"), std::string::npos) << check.out;
+  const Outcome slam = runCommand({DYNEMO_SLAM, "--output", path("run"), "--set",
+                                   "outputs=[trajectory]", path("annotated.rawlog")});
+  EXPECT_EQ(slam.status, 0) << describe(slam);
+  EXPECT_NE(slam.out.find("warning     260 entity detections were left out: without --entities"),
+            std::string::npos)
+      << slam.out;
+}
+
 TEST_F(Prep, RealBagsGiveTheirClouds) {
   const char* data = std::getenv("DYNEMO_REAL_DATA");
   if (data == nullptr || *data == '\0') GTEST_SKIP() << "DYNEMO_REAL_DATA is not set";
@@ -127,6 +165,53 @@ TEST_F(Prep, RealBagsGiveTheirClouds) {
     return true;
   });
   EXPECT_EQ(sizes, (std::vector<std::size_t>{35707, 36055, 36267, 36457, 36336}));
+
+  // Its odometry has a clock of its own, and five clouds of a car do not fit together: no map.
+  const Outcome check = prep({"check", path("bag.rawlog")});
+  EXPECT_EQ(check.status, 1) << describe(check);
+  for (const char* part : {", 0.4 s from 1583971570.0152996", "stamps of 2 clocks",
+                           "base_pose_ground_truth' (CObservationRobotPose): its stamps differ by",
+                           "the log's odometry cannot be used, and the scans alone do not do"})
+    EXPECT_NE(check.out.find(part), std::string::npos) << part << "\n" << check.out;
+  EXPECT_EQ(check.out.find("-0.0 "), std::string::npos) << check.out;
+  const Outcome slam = runCommand({DYNEMO_SLAM, "--output", path("run"), path("bag.rawlog")});
+  EXPECT_EQ(slam.status, 0) << describe(slam);
+  EXPECT_NE(slam.out.find("of 5 frames: the map is not to be trusted"), std::string::npos)
+      << slam.out;
+  const auto summary = nlohmann::json::parse(readBytes(folder / "run" / "summary.json"));
+  EXPECT_EQ(summary["doubts"].size(), 1U) << summary["doubts"];
+}
+
+/// The commands that check prints, as they are.
+TEST_F(Prep, AClockIsPutRightByTheCommandsOfCheck) {
+  if (runCommand({"sh", "-c", "command -v rawlog-edit"}).status != 0)
+    GTEST_SKIP() << "rawlog-edit is not installed";
+  const auto shell = [&](const std::string& commands) {
+    const std::string programs = fs::path(DYNEMO_PREP).parent_path().string();
+    const Outcome outcome =
+        runCommand({"sh", "-ec", "PATH=" + programs + ":$PATH\n" + commands}, folder.path());
+    EXPECT_EQ(outcome.status, 0) << describe(outcome) << commands;
+  };
+  shell("dynemo-prep trim " + rawlog +
+        " --to 10 -o start.rawlog\n"
+        "rawlog-edit -q -i start.rawlog -o camera.rawlog --keep-label camera\n"
+        "rawlog-edit -q -i camera.rawlog -o late.rawlog --remap-timestamps '1;5000'\n"
+        "rawlog-edit -q -i start.rawlog -o rest.rawlog --remove-label camera\n"
+        "ln -s start_Images late_Images\nln -s start_Images rest_Images\n"
+        "dynemo-prep merge rest.rawlog late.rawlog -o 'two clocks.rawlog'\n");
+  const std::string two_clocks = path("two clocks.rawlog");
+  const auto before = nlohmann::json::parse(prep({"check", "--json", two_clocks}).out);
+  EXPECT_EQ(before["clocks"], 2);
+  std::string commands;
+  for (const auto& f : before["findings"])
+    if (f["what"].get<std::string>().find("clock of its own") != std::string::npos)
+      commands = f["commands"].get<std::string>();
+  shell(commands);
+  const Outcome after = prep({"check", "--json", path("two clocks_one_clock.rawlog")});
+  EXPECT_EQ(after.status, 0) << describe(after);
+  const auto json = nlohmann::json::parse(after.out);
+  EXPECT_EQ(json["clocks"], 1);
+  EXPECT_GT(json["images_searched"], 0);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // trim and split.
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -13,8 +14,28 @@ namespace {
 
 /// All parts are open at a time.
 constexpr std::int64_t kMostParts = 500;
+constexpr double kShortestPart_s = 1e-3;
+
+/// What fits into a stamp.
+constexpr double kMost_s = 9.0e9;
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
+
+void requireTime(const std::optional<double>& seconds) {
+  if (seconds && !(std::abs(*seconds) < kMost_s))
+    throw ConfigError("the range must be given in seconds, between -9e9 and 9e9");
+}
+
+/// Why nothing is left, to one who may have mistaken the zero of the times.
+std::string nothingInRange(const fs::path& input, const std::optional<Stamp>& first,
+                           const std::optional<Stamp>& last, bool unix_time) {
+  std::string text = input.string() + ": nothing lies in the range that is to be kept";
+  if (!first) return text;
+  char length[32];
+  std::snprintf(length, sizeof(length), "%.3f", secondsBetween(*first, *last));
+  text += "; the log lasts " + std::string(length) + " s from " + first->text();
+  return text + (unix_time ? ", and the range is in UNIX time" : ", which is the range's zero");
+}
 
 fs::path partName(const fs::path& output, std::int64_t index) {
   char number[32];
@@ -44,18 +65,22 @@ class PartIndex {
 
 RewriteReport trimRawlog(const fs::path& input, const fs::path& output, const TimeRange& range,
                          const RewriteOptions& options) {
+  requireTime(range.from_s);
+  requireTime(range.to_s);
   if (range.from_s && range.to_s && *range.to_s <= *range.from_s)
     throw ConfigError("the end of the range must come after its beginning");
   RewriteReport report;
   WarningCounter warnings;
   PieceReader reader(input, warnings);
   RawlogOutput out(output, options.compressed.value_or(reader.compressed()), options.images);
-  std::optional<Stamp> zero;
+  std::optional<Stamp> zero, first, last;
   if (range.unix_time) zero = Stamp{0};
   bool inside = !range.from_s;
   const auto route = [&](RawlogPiece& piece) -> RawlogOutput* {
     if (piece.stamp) {
       if (!zero) zero = *piece.stamp;
+      if (!first) first = *piece.stamp;
+      last = std::max(last.value_or(*piece.stamp), *piece.stamp);
       const std::int64_t t_ns = piece.stamp->ns - zero->ns;
       inside = (!range.from_s || t_ns >= nanoseconds(*range.from_s)) &&
                (!range.to_s || t_ns < nanoseconds(*range.to_s));
@@ -64,8 +89,7 @@ RewriteReport trimRawlog(const fs::path& input, const fs::path& output, const Ti
   };
   rewrite(reader, route, warnings, report);
   report.written = out.objectsWritten();
-  if (report.written == 0)
-    throw DataError(input.string() + ": nothing lies in the range that is to be kept");
+  if (report.written == 0) throw DataError(nothingInRange(input, first, last, range.unix_time));
   out.commit();
   report.warnings = warnings.counts();
   report.files = {output};
@@ -74,7 +98,8 @@ RewriteReport trimRawlog(const fs::path& input, const fs::path& output, const Ti
 
 RewriteReport splitRawlog(const fs::path& input, const fs::path& output, double duration_s,
                           const RewriteOptions& options) {
-  if (!(duration_s > 0)) throw ConfigError("the duration of a part must be > 0");
+  if (!(duration_s >= kShortestPart_s && duration_s < kMost_s))
+    throw ConfigError("the duration of a part must be at least 1 ms");
   RewriteReport report;
   WarningCounter warnings;
   PieceReader reader(input, warnings);

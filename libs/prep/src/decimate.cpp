@@ -24,6 +24,8 @@ RewriteReport decimateRawlog(const std::filesystem::path& input,
                              const RewriteOptions& options) {
   if (decimation.keep_every < 1 || decimation.keep_points_every < 1)
     throw ConfigError("only every n-th with n ≥ 1 can be kept");
+  if (decimation.keep_every == 1 && decimation.keep_points_every == 1)
+    throw ConfigError("nothing to thin: --keep-every or --keep-points-every must be > 1");
   LabelCheck labels(decimation.labels);
   std::map<std::pair<std::string, std::string>, std::uint64_t> seen;
   const auto edit = [&](mrpt::obs::CObservation& o) {

@@ -17,14 +17,12 @@ struct NamedImage {
   const char* suffix;
 };
 
-std::vector<NamedImage> embeddedImages(mrpt::obs::CObservation& observation) {
+std::vector<NamedImage> imagesOf(mrpt::obs::CObservation& observation) {
   std::vector<NamedImage> all;
   if (auto* o = dynamic_cast<mrpt::obs::CObservationImage*>(&observation)) all = {{&o->image, ""}};
   if (auto* o = dynamic_cast<mrpt::obs::CObservationStereoImages*>(&observation))
     all = {
         {&o->imageLeft, "_left"}, {&o->imageRight, "_right"}, {&o->imageDisparity, "_disparity"}};
-  std::erase_if(
-      all, [](const NamedImage& i) { return i.image->isExternallyStored() || i.image->isEmpty(); });
   return all;
 }
 
@@ -54,9 +52,15 @@ RewriteReport externalizeImages(const fs::path& input, const fs::path& output, I
   const std::string extension = format == ImageFormat::kPng ? ".png" : ".jpg";
   const std::vector<int> encoding = {cv::IMWRITE_JPEG_QUALITY, jpeg_quality};
 
+  std::uint64_t in_files = 0;
   const auto edit = [&](mrpt::obs::CObservation& o) {
     EditResult result = EditResult::kUnchanged;
-    for (const NamedImage& named : embeddedImages(o)) {
+    for (const NamedImage& named : imagesOf(o)) {
+      if (named.image->isExternallyStored()) {
+        ++in_files;
+        continue;
+      }
+      if (named.image->isEmpty()) continue;
       const std::string name = out.freeImageName(
           fileNamePart(o.sensorLabel) + "_" + stampText(o) + named.suffix, extension, files);
       const auto pixels = named.image->asCvMat<cv::Mat>(mrpt::img::SHALLOW_COPY);
@@ -71,7 +75,10 @@ RewriteReport externalizeImages(const fs::path& input, const fs::path& output, I
   rewrite(
       reader, [&](RawlogPiece& piece) { return editObservations(piece, edit) ? &out : nullptr; },
       warnings, report);
-  if (report.edited.empty()) warnings.count("no image is stored inside of the log");
+  if (report.edited.empty() && in_files == 0)
+    throw DataError(input.string() +
+                    ": holds no image of class CObservationImage or CObservationStereoImages");
+  warnings.count("image that is in a file already and stays there", in_files);
   out.commit();
   report.written = out.objectsWritten();
   report.warnings = warnings.counts();

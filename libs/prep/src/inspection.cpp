@@ -5,6 +5,7 @@
 
 #include "dynemo/core/error.h"
 #include "dynemo/ingest/rawlog_source.h"
+#include "odometry_trial.h"
 #include "sensor_statistics.h"
 
 namespace dynemo {
@@ -33,6 +34,14 @@ class ImageSample {
   bool none_ = false;
 };
 
+std::uint64_t scansOf(const Inspection& inspection, const LidarParams& lidar) {
+  std::uint64_t count = 0;
+  for (const SensorInspection& s : inspection.sensors)
+    if (s.use == UseOfSensor::kScan && (lidar.label.empty() || s.label == lidar.label))
+      count += s.count;
+  return count;
+}
+
 /// Reads the log as dynemo-slam does. A choice that is left open, or nothing usable, is a finding.
 void inspectFrames(const std::filesystem::path& rawlog, const InspectionParams& params,
                    Inspection& inspection) {
@@ -40,17 +49,24 @@ void inspectFrames(const std::filesystem::path& rawlog, const InspectionParams& 
   ImageSample sample(inspection, params.tag_images);
   try {
     const auto source = makeRawlogSource(params.sensors, rawlog);
+    OdometryTrial trial(params, source->hasOdometry(), scansOf(inspection, params.sensors.lidar));
     while (auto frame = source->next()) {
+      inspection.frames_with_odometry += frame->odometry ? 1 : 0;
       sample.thin(*frame);
       survey.add(*frame);
+      trial.add(*frame);
     }
+    inspection.odometry_trial = trial.result();
     inspection.frames = source->report().frames;
     inspection.ingest_warnings = source->report().warnings;
   } catch (const ConfigError& e) {
-    inspection.findings.push_back(
-        {Severity::kError, e.what(),
-         "choose with --set here and for dynemo-slam, or rename or remove sensors: dynemo-prep "
-         "relabel, rawlog-edit --remove-label"});
+    const std::string why = e.what();
+    inspection.findings.push_back({Severity::kError, why,
+                                   why.starts_with("odometry.source")
+                                       ? "leave odometry.source as it is by default"
+                                       : "choose with --set here and for dynemo-slam, or rename or "
+                                         "remove sensors: dynemo-prep "
+                                         "relabel, rawlog-edit --remove-label"});
   } catch (const DataError& e) {
     const std::string why = e.what();
     const bool named = why.find("of the configured sensor") != std::string::npos;
@@ -94,6 +110,18 @@ const char* severityText(Severity severity) {
       break;
   }
   return "hint";
+}
+
+std::size_t clockCount(const Inspection& inspection) {
+  constexpr double kSameClock_s = 2.0;
+  std::vector<double> offsets_s = {0.0};
+  for (const SensorInspection& s : inspection.sensors) {
+    const bool known = std::any_of(offsets_s.begin(), offsets_s.end(), [&](double offset_s) {
+      return std::abs(offset_s - s.clock_offset_s) < kSameClock_s;
+    });
+    if (s.other_clock && !known) offsets_s.push_back(s.clock_offset_s);
+  }
+  return offsets_s.size();
 }
 
 bool Inspection::runnable() const {

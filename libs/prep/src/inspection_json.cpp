@@ -78,6 +78,8 @@ std::string inspectionJson(const Inspection& log) {
   Json json = {{"rawlog", log.rawlog.string()},
                {"runnable", log.runnable()},
                {"frames", log.frames},
+               {"frames_with_odometry", log.frames_with_odometry},
+               {"clocks", clockCount(log)},
                {"file_bytes", log.file_bytes},
                {"compressed", log.compressed},
                {"actions_and_frames", log.actions_and_frames},
@@ -94,8 +96,13 @@ std::string inspectionJson(const Inspection& log) {
   for (const SurveyedTag& tag : log.tags) json["tags"].push_back(tagJson(tag));
   json["findings"] = Json::array();
   for (const Finding& f : log.findings)
-    json["findings"].push_back(
-        {{"severity", severityText(f.severity)}, {"what", f.what}, {"fix", f.fix}});
+    json["findings"].push_back({{"severity", severityText(f.severity)},
+                                {"what", f.what},
+                                {"fix", f.fix},
+                                {"commands", f.commands}});
+  if (const auto& trial = log.odometry_trial)
+    json["odometry_trial"] = {
+        {"scans", trial->scans}, {"followed", trial->followed}, {"warnings", trial->warnings}};
   json["ingest_warnings"] = log.ingest_warnings;
   // Labels are whatever bytes the log holds.
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

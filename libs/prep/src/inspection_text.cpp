@@ -15,6 +15,13 @@ std::string format(const char* pattern, Values... values) {
   return text;
 }
 
+/// No minus before a zero.
+std::string fixed(double value, int digits) {
+  const std::string text = format("%.*f", digits, value);
+  const bool zero = text.find_first_not_of("-0.") == std::string::npos;
+  return zero && text[0] == '-' ? text.substr(1) : text;
+}
+
 std::string named(const std::string& label) { return label.empty() ? "(no label)" : label; }
 
 std::string poseText(const Pose3& T) {
@@ -25,8 +32,8 @@ std::string poseText(const Pose3& T) {
   if (std::abs(a.y()) > 90.0)
     a = {a.x() > 0 ? a.x() - 180 : a.x() + 180, a.y() > 0 ? 180 - a.y() : -180 - a.y(),
          a.z() > 0 ? a.z() - 180 : a.z() + 180};
-  return format("(%.3f %.3f %.3f) m, yaw %.1f pitch %.1f roll %.1f deg", T.t.x(), T.t.y(), T.t.z(),
-                a.x(), a.y(), a.z());
+  return "(" + fixed(T.t.x(), 3) + " " + fixed(T.t.y(), 3) + " " + fixed(T.t.z(), 3) + ") m, yaw " +
+         fixed(a.x(), 1) + " pitch " + fixed(a.y(), 1) + " roll " + fixed(a.z(), 1) + " deg";
 }
 
 /// Widths of the columns whose content is not ours.
@@ -48,8 +55,10 @@ std::string sensorRow(const SensorInspection& s, const Widths& w) {
       format("%-*s %-*s %-10s %8llu", w.label, named(s.label).c_str(), w.class_name,
              s.class_name.c_str(), useText(s.use), static_cast<unsigned long long>(s.count));
   row += s.first ? format(" %9.2f %9.1f", s.rate_hz(), s.duration_s()) : "         -         -";
-  row += format(" %5llu %8.2f %6llu", static_cast<unsigned long long>(s.gaps), s.longest_gap_s,
-                static_cast<unsigned long long>(s.jumps_back));
+  row += s.use == UseOfSensor::kDetections
+             ? "     -        -"
+             : format(" %5llu %8.2f", static_cast<unsigned long long>(s.gaps), s.longest_gap_s);
+  row += format(" %6llu", static_cast<unsigned long long>(s.jumps_back));
   if (s.other_clock) row += format("  clock %+.3f s", s.clock_offset_s);
   return row + "\n";
 }
@@ -99,6 +108,7 @@ std::string findingsText(const Inspection& log) {
   for (const Finding& f : log.findings) {
     text += format("%-8s ", severityText(f.severity)) + f.what + "\n";
     if (!f.fix.empty()) text += "         -> " + f.fix + "\n";
+    if (!f.commands.empty()) text += f.commands + "\n";
   }
   if (log.findings.empty()) text += "No problems found.\n";
   return text;
@@ -116,6 +126,7 @@ std::string inspectionText(const Inspection& log) {
   if (log.first)
     text += format(", %.1f s from %s", secondsBetween(*log.first, *log.last),
                    log.first->text().c_str());
+  if (clockCount(log) > 1) text += format(", stamps of %zu clocks", clockCount(log));
   const Widths w = widths(log);
   text += "\n\n" + format("%-*s %-*s %-10s %8s %9s %9s %5s %8s %6s\n", w.label, "Sensor",
                           w.class_name, "Class", "Use", "Count", "Rate [Hz]", "Length[s]", "Gaps",
@@ -130,7 +141,7 @@ std::string inspectionText(const Inspection& log) {
   text += tagsText(log) + findingsText(log) + "\n";
   text += log.runnable() ? format("dynemo-slam can run it: %llu frames.\n",
                                   static_cast<unsigned long long>(log.frames))
-                         : std::string("dynemo-slam cannot run it.\n");
+                         : std::string("dynemo-slam cannot run it as it is.\n");
   return text;
 }
 

@@ -24,6 +24,21 @@ std::string quoted(const SensorInspection& s) {
          ")";
 }
 
+/// A word for the shell, in quotes only where it needs them.
+std::string word(const std::string& text) {
+  const bool plain = !text.empty() && text.find_first_not_of(
+                                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
+                                          "0123456789_-./=,:+@%") == std::string::npos;
+  if (plain) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string share(std::uint64_t count, std::uint64_t all) {
+  return std::to_string(count) + " of " + std::to_string(all);
+}
+
 /// Collects the findings about one log.
 class Judge {
  public:
@@ -40,20 +55,25 @@ class Judge {
       if (s.scan) scan(*s.scan, s);
     }
     roles();
+    odometry();
     tags();
     ingest();
   }
 
  private:
-  void add(Severity severity, std::string what, std::string fix) {
-    log_.findings.push_back({severity, std::move(what), std::move(fix)});
+  void add(Severity severity, std::string what, std::string fix, std::string commands = {}) {
+    log_.findings.push_back({severity, std::move(what), std::move(fix), std::move(commands)});
   }
   void file();
   void stamps(const SensorInspection& s);
   void mounting(const SensorInspection& s);
   void camera(const CameraInspection& c, const SensorInspection& s);
   void scan(const ScanInspection& scan, const SensorInspection& s);
+  void otherClock(const SensorInspection& s);
+  void missingFiles(const CameraInspection& c, const SensorInspection& s);
   void roles();
+  void odometry();
+  void lidarOdometry(const std::string& why, bool recorded);
   void tags();
   void ingest();
   std::ptrdiff_t sensorsOf(UseOfSensor use) const {
@@ -62,11 +82,16 @@ class Judge {
   }
   bool has(UseOfSensor use) const { return sensorsOf(use) > 0; }
   /// Depth cameras come with images too.
-  bool hasImages() const {
-    return std::any_of(log_.sensors.begin(), log_.sensors.end(),
-                       [](const SensorInspection& s) { return s.camera.has_value(); });
+  std::ptrdiff_t sensorsWithImages() const {
+    return std::count_if(log_.sensors.begin(), log_.sensors.end(),
+                         [](const SensorInspection& s) { return s.camera.has_value(); });
   }
-  std::string name() const { return log_.rawlog.filename().string(); }
+  bool hasImages() const { return sensorsWithImages() > 0; }
+  /// For commands: the log, and files beside it.
+  std::string log() const { return word(log_.rawlog.string()); }
+  std::string beside(const std::string& ending) const {
+    return word((log_.rawlog.parent_path() / (log_.rawlog.stem().string() + ending)).string());
+  }
 
   const InspectionParams& params_;
   Inspection& log_;
@@ -75,13 +100,13 @@ class Judge {
 void Judge::file() {
   if (!log_.damage.empty())
     add(Severity::kWarning, "the file is damaged, the rest is not used: " + log_.damage,
-        "record or copy it again; dynemo-prep trim " + name() +
-            " -o REPAIRED.rawlog saves what can be read");
+        "record or copy it again; what can be read is saved by",
+        "dynemo-prep trim " + log() + " -o " + beside("_repaired.rawlog"));
   if (log_.null_objects > 0)
     add(Severity::kWarning,
         std::to_string(log_.null_objects) +
             " stored null objects, at which other MRPT programs crash",
-        "dynemo-prep trim " + name() + " -o REPAIRED.rawlog leaves them out");
+        "they are left out by", "dynemo-prep trim " + log() + " -o " + beside("_repaired.rawlog"));
 }
 
 void Judge::stamps(const SensorInspection& s) {
@@ -98,26 +123,49 @@ void Judge::stamps(const SensorInspection& s) {
     add(Severity::kWarning,
         quoted(s) + ": " + std::to_string(s.gaps) + " gaps, the longest of " +
             fixed(s.longest_gap_s, 2) + " s at " + s.longest_gap_at->text() + " (" +
-            fixed(secondsBetween(*log_.first, *s.longest_gap_at), 2) + " s after the start)",
+            fixed(secondsBetween(s.other_clock ? *s.first : *log_.first, *s.longest_gap_at), 2) +
+            " s after the start)",
         s.use == UseOfSensor::kOdometry
             ? "over gaps of more than sensors.odometry.max_gap_s the motion is not known; raise it "
               "when the robot stood still or moved evenly"
             : "check the recording; dynemo-prep trim keeps the part without gaps");
-  if (s.other_clock)
-    add(s.use == UseOfSensor::kOdometry ? Severity::kWarning : Severity::kError,
-        quoted(s) + ": its stamps differ by " + fixed(s.clock_offset_s, 3) +
-            " s from those of the other sensors: it has a clock of its own",
-        "rawlog-edit --keep-label and --remap-timestamps \"1;" + fixed(-s.clock_offset_s, 3) +
-            "\", then dynemo-prep merge; better: synchronise the clocks and record again" +
-            (s.use == UseOfSensor::kOdometry ? "; or do without: --set odometry.source=lidar"
-                                             : ""));
+  if (s.other_clock) otherClock(s);
+}
+
+/// dynemo-slam takes no odometry of another clock; images and detections it needs.
+void Judge::otherClock(const SensorInspection& s) {
+  const bool odometry = s.use == UseOfSensor::kOdometry;
+  const std::string own = beside("_own.rawlog"), shifted = beside("_shifted.rawlog"),
+                    rest = beside("_rest.rawlog");
+  const bool in_files = std::any_of(
+      log_.sensors.begin(), log_.sensors.end(),
+      [](const SensorInspection& any) { return any.camera && any.camera->external > 0; });
+  std::string commands = "rawlog-edit -q -i " + log() + " -o " + own + " --keep-label " +
+                         word(s.label) + "\nrawlog-edit -q -i " + own + " -o " + shifted +
+                         " --remap-timestamps '1;" + fixed(-s.clock_offset_s, 3) +
+                         "'\nrawlog-edit -q -i " + log() + " -o " + rest + " --remove-label " +
+                         word(s.label) + "\n";
+  // The parts refer to the images of the whole.
+  if (in_files)
+    for (const char* part : {"_rest_Images", "_shifted_Images"})
+      commands +=
+          "ln -s " + word(log_.rawlog.stem().string() + "_Images") + " " + beside(part) + "\n";
+  commands += "dynemo-prep merge " + rest + " " + shifted + " -o " + beside("_one_clock.rawlog");
+  const bool can_be_named = !s.label.empty() && !log_.actions_and_frames;
+  add(odometry ? Severity::kWarning : Severity::kError,
+      quoted(s) + ": its stamps differ by " + fixed(s.clock_offset_s, 3) +
+          " s from those of the other sensors: it has a clock of its own" +
+          (odometry ? ", so that dynemo-slam cannot use it" : ""),
+      std::string("synchronise the clocks and record again") +
+          (can_be_named ? "; when they were recorded together, its stamps are put right by" : ""),
+      can_be_named ? commands : "");
 }
 
 void Judge::mounting(const SensorInspection& s) {
   if (s.use == UseOfSensor::kOdometry || params_.sensors.extrinsics.contains(s.label)) return;
-  const std::string fix = "dynemo-prep set-extrinsics --sensor " + s.label +
-                          "=X,Y,Z,YAW,PITCH,ROLL " + name() +
-                          " -o FIXED.rawlog, or the key sensors.extrinsics";
+  const std::string fix = "dynemo-prep set-extrinsics --sensor " + word(s.label) +
+                          "=X,Y,Z,YAW,PITCH,ROLL " + log() + " -o " + beside("_mounted.rawlog") +
+                          ", or the key sensors.extrinsics";
   if (!s.T_base_sensor) {
     add(Severity::kError, quoted(s) + ": its pose on the robot is not a pose", fix);
     return;
@@ -138,15 +186,21 @@ void Judge::mounting(const SensorInspection& s) {
 }
 
 void Judge::camera(const CameraInspection& c, const SensorInspection& s) {
-  const std::string fix = "dynemo-prep set-calibration --label " + s.label +
-                          " --file CALIBRATION.yaml " + name() + " -o FIXED.rawlog";
+  const std::string fix = "dynemo-prep set-calibration --label " + word(s.label) +
+                          " --file CALIBRATION.yaml " + log() + " -o " +
+                          beside("_calibrated.rawlog");
   if (!(c.fx > 0 && c.fy > 0) || c.width == 0)
     add(Severity::kWarning, quoted(s) + ": no calibration, so no tag can be measured", fix);
-  if (c.external_missing > 0)
-    add(Severity::kWarning,
-        quoted(s) + ": " + std::to_string(c.external_missing) + " of " +
-            std::to_string(c.external) + " image files are missing",
-        "put them into the folder " + log_.rawlog.stem().string() + "_Images beside the rawlog");
+  if (c.external_missing > 0) missingFiles(c, s);
+}
+
+void Judge::missingFiles(const CameraInspection& c, const SensorInspection& s) {
+  const bool all = c.embedded == 0 && c.external_missing >= c.external;
+  const bool nothing_else = sensorsWithImages() == 1 && !has(UseOfSensor::kDetections);
+  add(all && nothing_else ? Severity::kError : Severity::kWarning,
+      quoted(s) + ": " + share(c.external_missing, c.external) + " image files are missing" +
+          (all && nothing_else ? ": no entity can be found" : ""),
+      "put them into the folder " + beside("_Images"));
 }
 
 void Judge::scan(const ScanInspection& scan, const SensorInspection& s) {
@@ -172,16 +226,68 @@ void Judge::roles() {
         "record a camera, or give detections of another program with --detections FILE.csv");
   if (!has(UseOfSensor::kScan))
     add(Severity::kHint, "no LiDAR: no clouds, no fragments of entities, no floor", "");
-  if (!has(UseOfSensor::kOdometry) && !log_.other_objects.contains("CActionCollection"))
+  if (detections)
     add(Severity::kHint,
-        has(UseOfSensor::kScan) ? "no odometry: dynemo-slam estimates it from the scans"
-                                : "no odometry: the robot is located by the entities in view only",
-        "");
+        "the log holds entity detections, by id alone: what the entities are stands in the entity "
+        "file, which dynemo-slam still needs",
+        "dynemo-slam --entities ENTITIES.yaml …");
   if (hasImages() && detections)
     add(Severity::kHint,
         "the log holds entity detections beside the images, so entities that both show are "
         "detected twice",
         "--set perception.detectors=[external] takes the stored ones only");
+}
+
+/// Where dynemo-slam would have the motion from.
+void Judge::odometry() {
+  if (log_.frames == 0) return;
+  const bool recorded =
+      has(UseOfSensor::kOdometry) || log_.other_objects.contains("CActionCollection");
+  const std::uint64_t without = log_.frames - log_.frames_with_odometry;
+  if (log_.odometry_trial || (log_.frames_with_odometry == 0 && !recorded))
+    return lidarOdometry(!recorded                        ? "no odometry"
+                         : log_.frames_with_odometry == 0 ? "the log's odometry cannot be used"
+                                                          : "odometry.source is lidar",
+                         recorded);
+  if (log_.frames_with_odometry == 0)
+    return add(Severity::kError,
+               "the log's odometry cannot be used, no frame has any at its stamp: the robot's "
+               "motion would not be known",
+               has(UseOfSensor::kScan) ? "add --set odometry.source=lidar, here and for dynemo-slam"
+                                       : "record odometry, or scans");
+  // A few at the beginning and the end are usual.
+  if (10 * without > log_.frames)
+    add(Severity::kWarning,
+        share(without, log_.frames) +
+            " frames have no odometry at their stamp: there the robot is taken to stand still",
+        has(UseOfSensor::kScan)
+            ? "--set odometry.source=lidar takes the motion from the scans (try it with check); "
+              "sensors.odometry.max_gap_s bridges short gaps"
+            : "sensors.odometry.max_gap_s bridges short gaps");
+}
+
+void Judge::lidarOdometry(const std::string& why, bool recorded) {
+  if (!log_.odometry_trial) {
+    if (!has(UseOfSensor::kScan))
+      add(Severity::kHint, why + ": the robot is located by the entities in view only", "");
+    else
+      add(recorded ? Severity::kWarning : Severity::kHint,
+          why + ": dynemo-slam estimates it from the scans", "");
+    return;
+  }
+  const auto& [scans, followed, warnings] = *log_.odometry_trial;
+  if (10 * followed >= 9 * scans)
+    return add(recorded && log_.frames_with_odometry == 0 ? Severity::kWarning : Severity::kHint,
+               why + ": dynemo-slam estimates it from the scans, which does: " +
+                   share(followed, scans) + " scans tried fit together",
+               "");
+  std::string reasons;
+  for (const auto& [what, count] : warnings)
+    reasons += (reasons.empty() ? " (" : ", ") + what + ": " + std::to_string(count);
+  add(2 * followed >= scans ? Severity::kWarning : Severity::kError,
+      why + ", and the scans alone do not do: " + share(followed, scans) +
+          " scans tried fit together" + (reasons.empty() ? "" : reasons + ")"),
+      "record odometry, or scans that follow each other faster and show more of the place");
 }
 
 void Judge::tags() {
@@ -206,7 +312,9 @@ void Judge::ingest() {
                            what.find("without valid time stamp") != std::string::npos ||
                            what.find("without camera calibration") != std::string::npos ||
                            what.find("null object") != std::string::npos ||
-                           what.find("image file not found") != std::string::npos;
+                           what.find("image file not found") != std::string::npos ||
+                           what.find("its clock is not that of") != std::string::npos ||
+                           what.find("without odometry at its stamp") != std::string::npos;
     if (explained) continue;
     std::string fix;
     if (what.find("of the configured sensor") != std::string::npos)

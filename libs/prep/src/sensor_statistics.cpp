@@ -157,11 +157,17 @@ double Statistics::clockOffset(const Statistics& reference) const {
 void Statistics::finish(const Statistics* reference) {
   sensor.median_interval_s = median(intervals_s);
   if (reference && reference != this) sensor.clock_offset_s = clockOffset(*reference);
+  sensor.other_clock =
+      std::abs(sensor.clock_offset_s) > kOtherClock_s + 2.0 * sensor.median_interval_s;
+  // Detections are events: there are none where nothing is to be seen.
+  if (sensor.use == UseOfSensor::kDetections) {
+    sensor.longest_gap_s = 0.0;
+    sensor.longest_gap_at.reset();
+    return;
+  }
   const double limit_s = std::max(kShortestGap_s, kGapIntervals * sensor.median_interval_s);
   sensor.gaps = static_cast<std::uint64_t>(
       std::count_if(intervals_s.begin(), intervals_s.end(), [&](double i) { return i > limit_s; }));
-  sensor.other_clock =
-      std::abs(sensor.clock_offset_s) > kOtherClock_s + 2.0 * sensor.median_interval_s;
 }
 
 using StatisticsBySensor = std::map<std::pair<std::string, std::string>, Statistics>;
@@ -200,10 +206,11 @@ class Collector {
     for (auto& [key, statistics] : sensors_) {
       statistics.finish(reference_);
       const SensorInspection& s = statistics.sensor;
+      inspection_.sensors.push_back(s);
+      if (s.other_clock) continue;
       if (s.first && (!inspection_.first || *s.first < *inspection_.first))
         inspection_.first = s.first;
       if (s.last && (!inspection_.last || *s.last > *inspection_.last)) inspection_.last = s.last;
-      inspection_.sensors.push_back(s);
     }
   }
 

@@ -5,6 +5,7 @@
 #include <mrpt/obs/CActionRobotMovement2D.h>
 #include <mrpt/obs/CSensoryFrame.h>
 
+#include <cmath>
 #include <cstdlib>
 
 #include "dynemo/core/error.h"
@@ -46,6 +47,17 @@ TEST_F(Cut, TrimTakesUnixTimes) {
 TEST_F(Cut, AnEmptyResultIsAnErrorAndLeavesNothing) {
   EXPECT_THROW(trimRawlog(input, output, {.from_s = 100.0, .to_s = {}}, {}), DataError);
   EXPECT_THROW(trimRawlog(input, output, {.from_s = 2.0, .to_s = 1.0}, {}), ConfigError);
+  for (const double wrong : {std::nan(""), HUGE_VAL, -1e300}) {
+    EXPECT_THROW(trimRawlog(input, output, {.from_s = wrong}, {}), ConfigError) << wrong;
+    EXPECT_THROW(trimRawlog(input, output, {.to_s = wrong}, {}), ConfigError) << wrong;
+  }
+  try {
+    trimRawlog(input, output, {.from_s = at(0.0).seconds()}, {});
+    ADD_FAILURE() << "UNIX time was taken for seconds after the beginning";
+  } catch (const DataError& e) {
+    EXPECT_NE(std::string(e.what()).find(" s from " + at(0.0).text()), std::string::npos)
+        << e.what();
+  }
   EXPECT_EQ(filesIn(folder / ""), std::vector<std::string>{"in.rawlog"});
 }
 
@@ -87,7 +99,8 @@ TEST_F(Cut, SplitPartsMakeUpTheWhole) {
 
 TEST_F(Cut, TooManyPartsAreRefusedAndLeaveNothing) {
   EXPECT_THROW(splitRawlog(input, output, 0.001, {}), ConfigError);
-  EXPECT_THROW(splitRawlog(input, output, 0.0, {}), ConfigError);
+  for (const double wrong : {0.0, 1e-12, -1.0, std::nan(""), HUGE_VAL})
+    EXPECT_THROW(splitRawlog(input, output, wrong, {}), ConfigError) << wrong;
   EXPECT_EQ(filesIn(folder / ""), std::vector<std::string>{"in.rawlog"});
 }
 

@@ -1,5 +1,6 @@
 // check: what is in a log and what is wrong with it.
 #include <gtest/gtest.h>
+#include <mrpt/maps/CSimplePointsMap.h>
 #include <mrpt/obs/CObservation2DRangeScan.h>
 
 #include <nlohmann/json.hpp>
@@ -10,6 +11,29 @@
 
 namespace dynemo::test {
 namespace {
+
+/// A room with walls askew, 8 m wide, seen from a robot that drives along x at 0.5 m/s.
+mrpt::obs::CObservationPointCloud roomObservation(double seconds) {
+  auto o = cloudObservation(seconds);
+  o.sensorPose = {};
+  const auto cloud = mrpt::maps::CSimplePointsMap::Create();
+  const auto add = [&](double x, double y, double z) {
+    cloud->insertPoint(static_cast<float>(x - 0.5 * seconds), static_cast<float>(y),
+                       static_cast<float>(z));
+  };
+  constexpr double kSpacing_m = 0.15;
+  for (double a = -4; a <= 4; a += kSpacing_m) {
+    for (double b = -4; b <= 4; b += kSpacing_m) add(a, b, -0.4);
+    for (double z = -0.4; z < 2.0; z += kSpacing_m) {
+      add(a, 4, z);
+      add(a, -4, z);
+      add(4 + 0.2 * a, a, z);
+      add(-4, a, z);
+    }
+  }
+  o.pointcloud = cloud;
+  return o;
+}
 
 class Check : public ::testing::Test {
  protected:
@@ -80,6 +104,7 @@ TEST_F(Check, SeveralLidarsMustBeChosenFrom) {
   {
     RawlogWriter out(log);
     for (int i = 0; i < 30; ++i) {
+      out.write(poseObservation(0.1 * i));
       out.write(cloudObservation(0.1 * i, 10, "front"));
       out.write(cloudObservation(0.1 * i, 10, "rear"));
     }
@@ -124,7 +149,105 @@ TEST_F(Check, AnotherClockIsFound) {
   EXPECT_NEAR(sensor(inspection, "camera").clock_offset_s, 1000.01, 1e-3);
   EXPECT_FALSE(sensor(inspection, "odom3d").other_clock);
   EXPECT_FALSE(inspection.runnable());
-  EXPECT_NE(finding(inspection, "clock of its own").fix.find("-1000.01"), std::string::npos);
+  const std::string commands = finding(inspection, "clock of its own").commands;
+  for (const std::string& part :
+       {"-i " + log.string() + " ", std::string("--keep-label camera\n"),
+        std::string("--remap-timestamps '1;-1000.010'\n"), std::string("--remove-label camera\n"),
+        "-o " + (folder / "log_one_clock.rawlog").string()})
+    EXPECT_NE(commands.find(part), std::string::npos) << part << " in\n" << commands;
+  EXPECT_EQ(clockCount(inspection), 2U);
+  EXPECT_NEAR(secondsBetween(*inspection.first, *inspection.last), 4.9, 1e-6);
+  EXPECT_NE(inspectionText(inspection).find(", 4.9 s from "), std::string::npos);
+  EXPECT_NE(inspectionText(inspection).find(", stamps of 2 clocks\n"), std::string::npos);
+}
+
+/// A log whose odometry has a clock of its own.
+void writeOdometryOfAnotherClock(const fs::path& log,
+                                 mrpt::obs::CObservationPointCloud (*scan)(double seconds)) {
+  RawlogWriter out(log);
+  for (int i = 0; i < 60; ++i) {
+    out.write(scan(0.1 * i));
+    out.write(poseObservation(0.1 * i - 1.5e9));
+  }
+}
+
+TEST_F(Check, OdometryOfAnotherClockIsReplacedByTheScansWhereTheyDo) {
+  writeOdometryOfAnotherClock(log, roomObservation);
+  auto inspection = inspect();
+  EXPECT_TRUE(inspection.runnable()) << inspectionText(inspection);
+  EXPECT_EQ(inspection.frames, 60U);
+  EXPECT_EQ(inspection.frames_with_odometry, 0U);
+  ASSERT_TRUE(inspection.odometry_trial);
+  EXPECT_EQ(inspection.odometry_trial->scans, 59U);
+  EXPECT_EQ(inspection.odometry_trial->followed, 59U);
+  EXPECT_EQ(finding(inspection, "clock of its own").severity, Severity::kWarning);
+  EXPECT_EQ(finding(inspection, "59 of 59 scans tried fit together").severity, Severity::kWarning);
+  // In stretches, each with a first scan that has nothing to fit to.
+  params.odometry_scans = 50;
+  inspection = inspect();
+  EXPECT_EQ(inspection.odometry_trial->scans, 48U);
+  params.odometry_scans = 0;
+  EXPECT_FALSE(inspect().odometry_trial);
+}
+
+TEST_F(Check, OdometryOfAnotherClockIsAnErrorWhereTheScansDoNot) {
+  writeOdometryOfAnotherClock(log, [](double seconds) { return cloudObservation(seconds, 10); });
+  const auto inspection = inspect();
+  EXPECT_FALSE(inspection.runnable()) << inspectionText(inspection);
+  const Finding f = finding(inspection, "the scans alone do not do");
+  EXPECT_EQ(f.severity, Severity::kError);
+  EXPECT_NE(f.what.find("LiDAR odometry: "), std::string::npos) << f.what;
+}
+
+TEST_F(Check, OdometryThatIsNamedButFitsNoScanIsAnError) {
+  writeOdometryOfAnotherClock(log, roomObservation);
+  params.odometry.source = OdometrySource::kRawlog;
+  const auto inspection = inspect();
+  EXPECT_FALSE(inspection.runnable());
+  finding(inspection, "odometry.source");
+}
+
+TEST_F(Check, FramesWithoutOdometryAreCounted) {
+  {
+    RawlogWriter out(log);
+    for (int i = 0; i < 60; ++i) {
+      out.write(cloudObservation(0.1 * i));
+      if (i < 30) out.write(poseObservation(0.1 * i));
+    }
+  }
+  const auto inspection = inspect();
+  EXPECT_TRUE(inspection.runnable());
+  EXPECT_EQ(finding(inspection, " of 60 frames have no odometry").severity, Severity::kWarning);
+}
+
+TEST_F(Check, DetectionsAreEventsAndNeedTheEntityFile) {
+  {
+    RawlogWriter out(log);
+    for (int i = 0; i < 300; ++i) {
+      out.write(cloudObservation(0.1 * i));
+      out.write(poseObservation(0.1 * i));
+      const bool in_view = (i < 20) || (i > 150 && i < 170);
+      if (in_view) out.write(featuresObservation(0.1 * i, 3, Pose3::translation(2, 0, 0)));
+    }
+  }
+  const auto inspection = inspect();
+  EXPECT_FALSE(hasFinding(inspection, "gap")) << inspectionText(inspection);
+  EXPECT_EQ(sensor(inspection, "detector").gaps, 0U);
+  EXPECT_NE(
+      finding(inspection, "entity file, which dynemo-slam still needs").fix.find("--entities"),
+      std::string::npos);
+}
+
+TEST_F(Check, ZeroHasNoSign) {
+  {
+    RawlogWriter out(log);
+    auto o = roomObservation(0.0);
+    o.sensorPose = mrpt::poses::CPose3D(-0.0001, 0, 0, 0, -1e-9, 0);
+    out.write(o);
+  }
+  EXPECT_NE(inspectionText(inspect()).find("(0.000 0.000 0.000) m, yaw 0.0 pitch 0.0 roll 0.0 deg"),
+            std::string::npos)
+      << inspectionText(inspect());
 }
 
 TEST_F(Check, AnotherClockIsMeasuredInASortedLogToo) {
@@ -193,8 +316,22 @@ TEST_F(Check, MissingImageFilesAreCounted) {
   }
   const auto inspection = inspect();
   EXPECT_EQ(sensor(inspection, "camera").camera->external_missing, 20U);
-  EXPECT_NE(finding(inspection, "20 of 20 image files are missing").fix.find("log_Images"),
-            std::string::npos);
+  const Finding f = finding(inspection, "20 of 20 image files are missing: no entity can be found");
+  EXPECT_NE(f.fix.find("log_Images"), std::string::npos);
+  EXPECT_EQ(f.severity, Severity::kError);
+}
+
+TEST_F(Check, MissingImageFilesAreNoErrorWhereDetectionsAreStored) {
+  {
+    RawlogWriter out(log);
+    for (int i = 0; i < 20; ++i) {
+      auto o = imageObservation(0.1 * i);
+      o.image.setExternalStorage("nowhere.png");
+      out.write(o);
+      out.write(featuresObservation(0.1 * i, 3, Pose3::translation(2, 0, 0)));
+    }
+  }
+  EXPECT_EQ(finding(inspect(), "image files are missing").severity, Severity::kWarning);
 }
 
 TEST_F(Check, ImagesInsideAGoodLogGiveNoFalseAlarms) {

@@ -113,6 +113,20 @@ TEST_F(Output, ExternalisedImagesHaveTheSamePixels) {
     EXPECT_EQ(is.cameraParams.fx(), was.cameraParams.fx());
   }
   EXPECT_EQ(filesIn(folder / "out_Images").size(), 3U);
+
+  const auto again = externalizeImages(output, folder / "again.rawlog", ImageFormat::kPng, 95, {});
+  EXPECT_TRUE(again.edited.empty());
+  EXPECT_EQ(again.warnings, (std::map<std::string, std::uint64_t>{
+                                {"image that is in a file already and stays there", 3}}));
+}
+
+TEST_F(Output, ALogWithoutImagesHasNoneToExternalise) {
+  {
+    RawlogWriter out(input);
+    out.write(poseObservation(0.1));
+  }
+  EXPECT_THROW(externalizeImages(input, output, ImageFormat::kPng, 95, {}), DataError);
+  EXPECT_FALSE(fs::exists(output));
 }
 
 }  // namespace

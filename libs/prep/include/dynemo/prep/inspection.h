@@ -10,6 +10,7 @@
 
 #include "dynemo/core/se3.h"
 #include "dynemo/ingest/ingest_params.h"
+#include "dynemo/pipeline/params.h"
 #include "dynemo/prep/tag_survey.h"
 
 namespace dynemo {
@@ -63,13 +64,26 @@ const char* severityText(Severity severity);
 struct Finding {
   Severity severity = Severity::kHint;
   std::string what, fix;
+  /// The fix as commands for a shell, to be run where the log's path holds; empty when there is
+  /// none, or when it needs what only its reader knows.
+  std::string commands{};
+};
+
+/// LiDAR odometry on some of a log's scans.
+struct OdometryTrialResult {
+  std::uint64_t scans = 0, followed = 0;
+  /// Why the others did not fit.
+  std::map<std::string, std::uint64_t> warnings;
 };
 
 struct InspectionParams {
   IngestParams sensors;
+  RobotOdometryParams odometry;
   TagSurveyParams tags;
   /// Images of each camera in which tags are searched.
   int tag_images = 40;
+  /// Scans on which LiDAR odometry is tried where dynemo-slam would rely on it.
+  int odometry_scans = 100;
 };
 
 struct Inspection {
@@ -80,9 +94,13 @@ struct Inspection {
   std::map<std::string, std::uint64_t> other_objects;
   std::string damage;
   std::vector<SensorInspection> sensors;  ///< by label, then class
+  /// Of the observations by the clock of the sensor that the frames follow.
   std::optional<Stamp> first, last;
   /// What dynemo-slam makes of it.
   std::uint64_t frames = 0;
+  /// Those with the log's odometry at their stamp.
+  std::uint64_t frames_with_odometry = 0;
+  std::optional<OdometryTrialResult> odometry_trial;
   std::map<std::string, std::uint64_t> ingest_warnings;
   std::uint64_t images_searched = 0;
   std::vector<SurveyedTag> tags;
@@ -90,6 +108,9 @@ struct Inspection {
 
   bool runnable() const;
 };
+
+/// Number of clocks that the stamps of the sensors come from.
+std::size_t clockCount(const Inspection& inspection);
 
 /// Reads the log twice: its objects, and as dynemo-slam reads it. Throws DataError when the file
 /// cannot be read at all, and ConfigError for wrong parameters; what is wrong inside of the file is

@@ -59,7 +59,7 @@ struct Decimation {
   /// … and the first of every n points of a cloud.
   std::uint64_t keep_points_every = 1;
 };
-/// Throws ConfigError when a label does not occur.
+/// Throws ConfigError when a label does not occur, or both numbers are 1.
 RewriteReport decimateRawlog(const std::filesystem::path& input,
                              const std::filesystem::path& output, const Decimation& decimation,
                              const RewriteOptions& options);
@@ -95,7 +95,7 @@ RewriteReport relabelRawlog(const std::filesystem::path& input, const std::files
 
 enum class ImageFormat { kPng, kJpeg };
 /// Puts the images that are stored inside of the log (of CObservationImage and
-/// CObservationStereoImages) into files.
+/// CObservationStereoImages) into files. Throws DataError when the log has no image at all.
 RewriteReport externalizeImages(const std::filesystem::path& input,
                                 const std::filesystem::path& output, ImageFormat format,
                                 int jpeg_quality, const RewriteOptions& options);
