@@ -33,7 +33,8 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--format", o.format, "One of: " + formatNames())->type_name("F");
   app.add_option("--output", o.output,
                  "File to write (a folder for formats of several files); inside an existing folder "
-                 "it gets the name dynemo-slam would give it")
+                 "it gets the name dynemo-slam would give it. An earlier one is replaced when the "
+                 "export is complete")
       ->type_name("FILE");
   app.add_option("--at", o.at,
                  std::string("Map clouds: show entities as of this time; ") + kTimeHelp)
@@ -47,6 +48,11 @@ void declare(CLI::App& app, Options& o) {
   app.set_version_flag("--version", "dynemo-export " DYNEMO_VERSION);
 }
 
+void print(const std::string& text) {
+  std::cout << text << std::flush;
+  if (!std::cout) throw DataError("standard output: cannot be written");
+}
+
 /// The run's own options, overridden by the command line.
 ExportParams exportParams(const Options& o, const Session& session) {
   ExportParams params = exportParamsOf(session.config_yaml);
@@ -58,8 +64,9 @@ ExportParams exportParams(const Options& o, const Session& session) {
   if (!o.dump_config && !clouds.contains(o.format)) {
     throw ConfigError("--at: format " + o.format + " shows all times; only ply and pcd show one");
   }
-  const Stamp begin = session.frames.empty() ? Stamp() : session.frames.front().stamp;
-  params.cloud.at_s = secondsBetween(begin, parseTime(*o.at, begin, "--at"));
+  if (session.frames.empty()) throw DataError(o.run.string() + ": the run has no frame");
+  const RunSpan run = {session.frames.front().stamp, session.frames.back().stamp};
+  params.cloud.at_s = secondsBetween(run.begin, parseTime(*o.at, run, "--at"));
   return params;
 }
 
@@ -79,12 +86,14 @@ int run(const Options& o) {
   const Session session = loadRunSession(o.run);
   const ExportParams params = exportParams(o, session);
   if (o.dump_config) {
-    std::cout << toYaml(params) << std::flush;
-    if (!std::cout) throw DataError("standard output: cannot be written");
+    print(toYaml(params));
     return 0;
   }
   const auto exporter = exporters().make(o.format, params);
-  exporter->write(resultOf(session), outputFile(o, *exporter));
+  const fs::path output = outputFile(o, *exporter);
+  const bool replaces = fs::exists(output);
+  exporter->write(resultOf(session), output);
+  if (replaces) print("replaced    " + output.string() + "\n");
   return 0;
 }
 

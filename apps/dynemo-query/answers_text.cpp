@@ -21,7 +21,10 @@ double degrees(double rad) { return rad * 180.0 / std::numbers::pi; }
 
 double yaw(const Pose3& T) { return std::atan2(T.R(1, 0), T.R(0, 0)); }
 
-std::string after(Stamp begin, Stamp stamp) { return "+" + fixed(secondsBetween(begin, stamp), 3); }
+std::string after(Stamp begin, Stamp stamp) {
+  const std::string text = fixed(secondsBetween(begin, stamp), 3);
+  return text[0] == '-' ? text : "+" + text;
+}
 
 std::string afterOrDash(Stamp begin, const std::optional<Stamp>& stamp) {
   return stamp ? after(begin, *stamp) : "-";

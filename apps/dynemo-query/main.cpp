@@ -4,6 +4,7 @@
 #include <optional>
 #include <sstream>
 
+#include "../common/number_range.h"
 #include "../common/program.h"
 #include "../common/time_argument.h"
 #include "answers.h"
@@ -87,7 +88,7 @@ class Question {
   }
 
   Stamp timeOr(const std::optional<std::string>& text, const char* option, Stamp otherwise) const {
-    return text ? parseTime(*text, query_.begin(), option) : otherwise;
+    return text ? parseTime(*text, {query_.begin(), query_.end()}, option) : otherwise;
   }
 
   EntityId entity() const {
@@ -123,6 +124,19 @@ void diff(const Options& o) {
   print(o.json ? differenceJson(*found) : differenceText(*found));
 }
 
+/// After --set, which it heeds. It needs no question: as with --help, parsing ends there.
+template <class Params>
+void declareDumpConfig(CLI::App& command, const Options& o) {
+  command.add_flag_callback(
+      "--dump-config",
+      [&o] {
+        print(toYaml(paramsOf<Params>(o)));
+        throw CLI::Success();
+      },
+      "Print the parameters that --set overrides and exit");
+}
+
+template <class Params>
 void declareCommon(CLI::App& command, Options& o) {
   command.add_flag("--json", o.json, "Print JSON");
   command
@@ -131,6 +145,7 @@ void declareCommon(CLI::App& command, Options& o) {
                   "object_residence_s=86400 (repeatable)")
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
+  declareDumpConfig<Params>(command, o);
 }
 
 CLI::Option* addTime(CLI::App& command, const char* name, std::optional<std::string>& value,
@@ -140,11 +155,12 @@ CLI::Option* addTime(CLI::App& command, const char* name, std::optional<std::str
 
 void declare(CLI::App& app, Options& o, std::function<void()>& answer) {
   app.add_option("RUN_DIR", o.run, "Output folder of dynemo-slam")->type_name("");
+  declareDumpConfig<QueryParams>(app, o);
   app.set_version_flag("--version", "dynemo-query " DYNEMO_VERSION);
   app.require_subcommand(1);
   const auto ask = [&](const char* name, const char* help, void (Question::*question)()) {
     CLI::App* command = app.add_subcommand(name, help);
-    declareCommon(*command, o);
+    declareCommon<QueryParams>(*command, o);
     command->callback(
         [&o, &answer, question] { answer = [&o, question] { (Question(o).*question)(); }; });
     return command;
@@ -165,11 +181,11 @@ void declare(CLI::App& app, Options& o, std::function<void()>& answer) {
   addTime(*moved, "--to", o.to, "Moves that may have happened before this time");
   near->add_option("POINT", o.point, "Point in the map as X,Y,Z [m]")->required()->type_name("");
   near->add_option("--radius", o.radius_m, "How far from the point [m]")
-      ->check(CLI::PositiveNumber)
+      ->check(positiveNumber())
       ->type_name("R");
 
   auto* difference = app.add_subcommand("diff", "What changed between two sessions of one place");
-  declareCommon(*difference, o);
+  declareCommon<DifferenceParams>(*difference, o);
   difference->add_option("RUN_A", o.run_a, "The earlier run")->required()->type_name("");
   difference->add_option("RUN_B", o.run_b, "The later run")->required()->type_name("");
   difference->callback([&o, &answer] { answer = [&o] { diff(o); }; });

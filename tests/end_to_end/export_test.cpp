@@ -131,6 +131,26 @@ TEST(Export, IntoAFolderTheFileGetsItsOwnName) {
   EXPECT_TRUE(fs::exists(folder / "graph.g2o"));
 }
 
+TEST(Export, AnEarlierExportIsReplacedAndNothingElse) {
+  const TemporaryFolder folder;
+  const fs::path run = bundledRun("full").folder();
+  const fs::path file = exported(folder, "g2o", "graph.g2o");
+  writeBytes(file, "old");
+  const Outcome again = exportRun(run, "g2o", file);
+  EXPECT_EQ(again.out, "replaced    " + file.string() + "\n") << describe(again);
+  EXPECT_EQ(readBytes(file), readBytes(run / "graph.g2o"));
+
+  const fs::path poses = exported(folder, "tum", "poses");
+  writeBytes(poses / "entity_99_gone.tum", "");
+  EXPECT_EQ(exportRun(run, "tum", poses).status, 0);
+  EXPECT_FALSE(fs::exists(poses / "entity_99_gone.tum"));
+  writeBytes(poses / "thesis.tex", "years of work");
+  const Outcome refused = exportRun(run, "tum", poses);
+  EXPECT_EQ(refused.status, kData) << describe(refused);
+  EXPECT_NE(refused.err.find("thesis.tex"), std::string::npos) << describe(refused);
+  EXPECT_EQ(readBytes(poses / "thesis.tex"), "years of work");
+}
+
 TEST(Export, RefusesWhatItCannotDo) {
   const TemporaryFolder folder;
   const fs::path run = bundledRun("full").folder();
@@ -141,6 +161,9 @@ TEST(Export, RefusesWhatItCannotDo) {
   };
   expectError(exportRun(run, "vrml", folder / "x"), kUsage, "vrml: must be among: 3dscene, csv");
   expectError(exportRun(run, "ply", folder / "x", {"--at", "noon"}), kUsage, "--at noon");
+  for (const char* far_away : {"30", "+1.7e9"})
+    expectError(exportRun(run, "ply", folder / "x", {"--at", far_away}), kUsage,
+                "1700000020.000000000 to 1700000072.000000000 (+0 to +52.000)");
   expectError(exportRun(run, "tum", folder / "x", {"--at", "+1"}), kUsage, "shows all times");
   expectError(exportRun(run, "ply", folder / "x", {"--set", "cloud.nope=1"}), kUsage, "cloud.nope");
   expectError(exportRun(run, "ply", folder / "no" / "x"), kData, "no/x");

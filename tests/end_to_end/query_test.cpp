@@ -130,6 +130,27 @@ INSTANTIATE_TEST_SUITE_P(Samples, QuerySample,
                            return std::string(std::get<0>(p.param)) + "_" + std::get<1>(p.param);
                          });
 
+TEST(Query, HoursAfterTheRunMayBeAskedFor) {
+  const fs::path run = bundledRun("full").folder();
+  const double next_day = answer({run, "where", "box 2", "--at", "+86400"}).at("presence");
+  const double at_the_end = answer({run, "where", "box 2"}).at("presence");
+  EXPECT_LT(next_day, at_the_end);
+  EXPECT_NE(
+      ask({run, "where", "box 2", "--at", "+-10"}).out.find("1700000010.000000000 (-10.000 s)"),
+      std::string::npos);
+}
+
+TEST(Query, TellsItsParameters) {
+  const Outcome one = ask({"--dump-config"}), two = ask({"diff", "--dump-config"});
+  EXPECT_EQ(one.status, 0) << describe(one);
+  EXPECT_NE(one.out.find("\nobject_residence_s: "), std::string::npos) << one.out;
+  EXPECT_EQ(two.status, 0) << describe(two);
+  EXPECT_NE(two.out.find("\nmin_agreeing: "), std::string::npos) << two.out;
+  EXPECT_NE(two.out.find("\n  object_residence_s: "), std::string::npos) << two.out;
+  const Outcome changed = ask({"where", "--set", "object_residence_s=17", "--dump-config"});
+  EXPECT_NE(changed.out.find("object_residence_s: 17"), std::string::npos) << describe(changed);
+}
+
 TEST(Query, MovesAreAskedByTime) {
   const fs::path run = bundledRun("full").folder();
   EXPECT_TRUE(answer({run, "moved", "--to", "+1"}).at("moves").empty());
@@ -243,6 +264,16 @@ TEST(Query, RefusesWhatItCannotAnswer) {
               "no entity 'table' in the map; known: 1 (box 1)");
   expectError(ask({run, "where", "1", "--at", "noon"}), kUsage, "--at noon");
   expectError(ask({run, "moved", "--from", "+40", "--to", "+20"}), kUsage, "before --from");
+  for (const char* far_away : {"30", "-5", "+1.7e9", "+8999999999", "3400000000"}) {
+    for (const Outcome& outcome : {ask({run, "where", "1", std::string("--at=") + far_away}),
+                                   ask({run, "near", "1,2,3", std::string("--at=") + far_away}),
+                                   ask({run, "moved", std::string("--to=") + far_away})}) {
+      expectError(outcome, kUsage, "1700000020.000000000 to 1700000072.000000000 (+0 to +52.000)");
+      expectError(outcome, kUsage, "+S for S seconds");
+    }
+  }
+  expectError(ask({run, "near", "1,2,3", "--radius", "-1"}), kUsage,
+              "--radius: -1: must be a number > 0");
   expectError(ask({run, "near", "1,2"}), kUsage, "near 1,2: must be X,Y,Z");
   expectError(ask({"where", "1"}), kUsage, "RUN_DIR");
   expectError(ask({run}), kUsage, "subcommand");

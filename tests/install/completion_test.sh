@@ -55,6 +55,10 @@ expect dynemo-export fol : folder
 expect dynemo-query w : where
 expect dynemo-query diff --j : --json
 expect dynemo-query diff fol : folder
+expect dynemo-query folder where 1 --set object : object_residence_s=
+expect dynemo-query diff folder folder --set '' : min_agreeing= query.object_residence_s=
+expect dynemo-prep check --set sensors.lidar.l : sensors.lidar.label=
+expect dynemo-batch --set keyframes.robot_t : keyframes.robot_translation_m=
 expect dynemo-optimize --initial '' : auto file chordal
 expect dynemo-optimize some : some.rawlog
 ((failures == 0))
