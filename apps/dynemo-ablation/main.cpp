@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 
+#include "../common/number_range.h"
 #include "../common/program.h"
 #include "dynemo/core/config.h"
 #include "dynemo/core/output_file.h"
@@ -49,7 +50,7 @@ void declare(CLI::App& app, Options& o) {
       ->check(CLI::IsMember({"mini", "full"}))
       ->type_name("mini|full");
   app.add_option("--duration", o.duration_s, "Seconds instead of the datasets' own length")
-      ->check(CLI::PositiveNumber)
+      ->check(positiveNumber())
       ->type_name("S");
   app.add_option("--jobs", o.jobs, "Runs at once; they share the cores, which shows in their times")
       ->check(CLI::Range(1, 256))

@@ -8,8 +8,10 @@
 #include <iostream>
 #include <optional>
 
+#include "../common/number_range.h"
 #include "../common/program.h"
 #include "dynemo/batch/batch_runner.h"
+#include "dynemo/batch/configuration_check.h"
 #include "dynemo/batch/slurm.h"
 #include "dynemo/batch/summary.h"
 #include "dynemo/core/output_file.h"
@@ -55,7 +57,7 @@ void declare(CLI::App& app, Options& o) {
                  "Entity file for all rawlogs; else NAME_entities.yaml beside each")
       ->type_name("FILE");
   app.add_option("-j,--jobs", o.jobs, "Runs at a time")
-      ->check(CLI::Validator(CLI::PositiveNumber).description(""))
+      ->check(positiveNumber())
       ->type_name("N")
       ->capture_default_str();
   app.add_flag("--dry-run", o.dry_run, "List the runs and their states, and exit");
@@ -103,10 +105,10 @@ class BatchDisplay {
     if (quiet_ || (!terminal_ && percent < printed_percent_ + 10)) return;
     printed_percent_ = percent;
     char line[160];
-    std::snprintf(line, sizeof(line),
-                  "%3d %%  %zu of %zu done, %zu failed, %zu running  ETA %.0f s", percent, p.done,
-                  p.total, p.failed, p.running, p.remaining_s);
-    std::cerr << (terminal_ ? "\r" : "") << line << (terminal_ ? "\033[K" : "\n") << std::flush;
+    std::snprintf(line, sizeof(line), "%3d %%  %zu of %zu done, %zu failed, %zu running", percent,
+                  p.done, p.total, p.failed, p.running);
+    std::cerr << (terminal_ ? "\r" : "") << line << remainingText(p)
+              << (terminal_ ? "\033[K" : "\n") << std::flush;
     drawn_ = terminal_;
   }
   void ended(const WorkItem& item, const std::string& failure) {
@@ -122,6 +124,13 @@ class BatchDisplay {
   }
 
  private:
+  static std::string remainingText(const BatchProgress& p) {
+    if (!p.remaining_s) return {};
+    char text[48];
+    std::snprintf(text, sizeof(text), "  ETA %.0f s", *p.remaining_s);
+    return text;
+  }
+
   bool quiet_, terminal_, drawn_ = false;
   int printed_percent_ = -10;
 };
@@ -130,6 +139,8 @@ void requireConsistent(const Options& o) {
   if (o.rawlogs.empty()) throw ConfigError("RAWLOGS is required (see dynemo-batch --help)");
   if (!o.slurm && (o.no_wait || !o.slurm_options.empty()))
     throw ConfigError("--no-wait and --slurm-option need --slurm");
+  if (o.plan.entities && !fs::is_regular_file(*o.plan.entities))
+    throw ConfigError("--entities " + o.plan.entities->string() + ": no such file");
 }
 
 BatchParams batchParams(const Options& o) {
@@ -193,10 +204,25 @@ int summarize(const Options& o, const std::vector<WorkItem>& items, const RunSto
   return all_done ? 0 : kSomeFailed;
 }
 
+void warnOfMissingEntities(const std::vector<WorkItem>& items) {
+  constexpr std::size_t kMostNamed = 3;
+  const auto rawlogs = rawlogsWithoutEntities(items);
+  if (rawlogs.empty()) return;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kMostNamed, rawlogs.size()); ++i)
+    names += (i > 0 ? ", " : "") + fs::path(rawlogs[i]).filename().string();
+  if (rawlogs.size() > kMostNamed)
+    names += " and " + std::to_string(rawlogs.size() - kMostNamed) + " more";
+  std::cerr << "warning     no entity file NAME_entities.yaml beside " << names
+            << " and no --entities: their maps will hold no entities\n";
+}
+
 int run(const Options& o) {
   if (o.task_list) return runTask(o);
   requireConsistent(o);
   const auto items = makeWorkList(expandRawlogs(o.rawlogs), o.plan);
+  if (!o.collect) requireConfigurations(items, batchParams(o).program);
+  if (!o.collect && !o.quiet) warnOfMissingEntities(items);
   const RunStore store(o.work);
   if (o.dry_run) return listRuns(items, store);
   BatchResult result;

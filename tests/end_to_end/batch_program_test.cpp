@@ -106,6 +106,37 @@ TEST_F(BatchProgram, AFailedRunIsReportedAndTheRestFinished) {
   EXPECT_NE(summary.find("first,default,done,"), std::string::npos) << summary;
 }
 
+TEST_F(BatchProgram, AWrongConfigurationIsRefusedBeforeAnythingRuns) {
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--setup", "nope"},
+                                                {"--set", "keyframes.nope=1"},
+                                                {"--config", path("nope.yaml")},
+                                                {"--entities", path("nope.yaml")}}) {
+    std::vector<std::string> command = {
+        DYNEMO_BATCH, path("first.rawlog"), "--work", path("w"), "--setup", "full"};
+    command.insert(command.end(), wrong.begin(), wrong.end());
+    const Outcome refused = runCommand(command);
+    EXPECT_EQ(refused.status, 2) << describe(refused);
+    EXPECT_NE(refused.err.find("nope"), std::string::npos) << describe(refused);
+    EXPECT_FALSE(fs::exists(path("w"))) << describe(refused);
+  }
+}
+
+TEST_F(BatchProgram, RunsWithoutAnEntityFileAreWarnedOf) {
+  ASSERT_EQ(
+      runCommand({DYNEMO_PREP, "annotate", path("first.rawlog"), "--entities",
+                  path("first_entities.yaml"), "--drop-images", "-o", path("annotated.rawlog")})
+          .status,
+      0);
+  const Outcome batch = runCommand({DYNEMO_BATCH, path("annotated.rawlog"), path("first.rawlog"),
+                                    "--work", path("w"), "--set", "outputs=[trajectory]"});
+  EXPECT_EQ(batch.status, 0) << describe(batch);
+  EXPECT_NE(batch.err.find("no entity file NAME_entities.yaml beside annotated.rawlog and no"),
+            std::string::npos)
+      << batch.err;
+  EXPECT_NE(batch.out.find("detections were left out: without --entities"), std::string::npos)
+      << batch.out;
+}
+
 TEST_F(BatchProgram, UsageErrors) {
   EXPECT_EQ(runCommand({DYNEMO_BATCH}).status, 2);
   EXPECT_EQ(runCommand({DYNEMO_BATCH, "--work", path("w")}).status, 2);

@@ -167,7 +167,9 @@ TEST_F(Slurm, ARefusalIsOneError) {
   const Outcome refused = runCommand({DYNEMO_BATCH, path("first.rawlog"), "--work", path("work"),
                                       "--slurm", "--slurm-option=--partition=nowhere"});
   EXPECT_EQ(refused.status, 3);
-  EXPECT_NE(refused.err.find("sbatch: "), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("sbatch refuses the job: "), std::string::npos) << refused.err;
+  EXPECT_NE(refused.err.find("nowhere"), std::string::npos) << refused.err;
+  EXPECT_EQ(refused.err.find("error: "), std::string::npos) << refused.err;
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ namespace {
 constexpr std::chrono::milliseconds kPollInterval{100};
 /// A controller that restarts answers nothing for a while.
 constexpr int kMostFailures = 20;
+constexpr int kCannotStart = 127;
 
 struct CommandResult {
   int status = 0;
@@ -83,6 +84,18 @@ std::string slurmScript(const SlurmJob& job, const RunStore& store, const SlurmP
          quoted((job.folder / "work.json").string()) + " --index \"$SLURM_ARRAY_TASK_ID\"\n";
 }
 
+std::string sbatchReason(const std::string& printed) {
+  std::string reasons;
+  std::istringstream in(printed);
+  for (std::string line; std::getline(in, line);) {
+    for (const std::string prefix : {"sbatch: ", "error: "})
+      if (line.starts_with(prefix)) line.erase(0, prefix.size());
+    line.erase(line.find_last_not_of(" .\r") + 1);
+    if (!line.empty()) reasons += (reasons.empty() ? "" : "; ") + line;
+  }
+  return reasons.empty() ? "no reason given" : reasons;
+}
+
 SlurmJob submitToSlurm(const std::vector<WorkItem>& items, const RunStore& store,
                        const SlurmParams& params) {
   std::vector<WorkItem> missing;
@@ -98,7 +111,10 @@ SlurmJob submitToSlurm(const std::vector<WorkItem>& items, const RunStore& store
   command.insert(command.end(), params.options.begin(), params.options.end());
   command.push_back((job.folder / "job.sh").string());
   const auto answer = runCommand(command, job.folder / "sbatch.txt");
-  if (answer.status != 0) throw DataError("sbatch: " + answer.text);
+  if (answer.status == kCannotStart)
+    throw DataError(sbatchReason(answer.text) + "; is Slurm installed here?");
+  if (answer.status != 0)
+    throw DataError("Slurm's sbatch refuses the job: " + sbatchReason(answer.text));
   // The last line is "id" or "id;cluster"; warnings come before it.
   const auto line = answer.text.find_last_of('\n');
   job.id = answer.text.substr(line == std::string::npos ? 0 : line + 1);

@@ -52,6 +52,14 @@ EntityCounts entityCounts(const Json& summary) {
   return counts;
 }
 
+std::string doubtsText(const Json& summary) {
+  std::string text;
+  const Json doubts = summary.is_object() ? summary.value("doubts", Json::array()) : Json();
+  for (const Json& doubt : doubts)
+    if (doubt.is_string()) text += (text.empty() ? "" : "; ") + doubt.get<std::string>();
+  return text;
+}
+
 /// The cells that ground truth fills.
 std::vector<std::string> evaluation(const WorkItem& item, const fs::path& folder,
                                     std::string& note) {
@@ -75,7 +83,7 @@ std::vector<std::string> evaluation(const WorkItem& item, const fs::path& folder
     cells[6] = fixed(report.entities->changes.by_object.precision(), 3);
     cells[7] = fixed(report.entities->changes.by_object.recall(), 3);
   } catch (const DataError& e) {
-    note = std::string("not evaluated: ") + e.what();
+    note += std::string(note.empty() ? "" : "; ") + "not evaluated: " + e.what();
   }
   return cells;
 }
@@ -101,7 +109,7 @@ std::vector<std::string> summaryRow(const WorkItem& item, const RunStore& store)
                                   std::to_string(counts.entities),
                                   std::to_string(counts.observations),
                                   std::to_string(counts.moved)};
-  std::string note;
+  std::string note = doubtsText(summary);
   for (std::string& cell : evaluation(item, folder, note)) row.push_back(std::move(cell));
   row.push_back(note);
   return row;

@@ -138,6 +138,18 @@ std::vector<WorkItem> makeWorkList(const std::vector<fs::path>& rawlogs, const W
   return items;
 }
 
+std::vector<std::string> rawlogsWithoutEntities(const std::vector<WorkItem>& items) {
+  std::vector<std::string> rawlogs;
+  for (const WorkItem& item : items) {
+    const auto& a = item.arguments;
+    const bool without = std::find(a.begin(), a.end(), "--entities") == a.end();
+    // Runs of one rawlog follow each other.
+    if (without && (rawlogs.empty() || rawlogs.back() != item.rawlog))
+      rawlogs.push_back(item.rawlog);
+  }
+  return rawlogs;
+}
+
 std::string workListJson(const std::vector<WorkItem>& items) {
   Json json = Json::array();
   for (const WorkItem& item : items)

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <fstream>
 
+#include "dynemo/batch/configuration_check.h"
 #include "dynemo/batch/summary.h"
 #include "dynemo/core/error.h"
 #include "generated_rawlog.h"
@@ -51,6 +52,44 @@ TEST_F(Runner, RunsEverythingOnceAndContinuesWithWhatIsMissing) {
   EXPECT_EQ(result.failed, 0U);
   EXPECT_EQ(calls(), 3U);
   EXPECT_EQ(readBytes(store.folder(items[2]) / "result.txt"), "3\n");
+}
+
+TEST_F(Runner, NothingIsSaidOfTheTimeThatRemainsBeforeAnythingWasDone) {
+  script("mkdir -p \"$2\"\nsleep 0.3\necho \" 40 %  working\"\nsleep 0.3\n");
+  std::vector<BatchProgress> all;
+  runBatch({item("a", "1")}, store, params,
+           {[&](const BatchProgress& p) { all.push_back(p); }, {}});
+  ASSERT_FALSE(all.empty());
+  for (const BatchProgress& p : all) EXPECT_EQ(p.remaining_s.has_value(), p.fraction > 0.0);
+  EXPECT_FALSE(all.front().remaining_s);
+  EXPECT_TRUE(all.back().remaining_s);
+}
+
+TEST_F(Runner, ConfigurationsAreCheckedOncePerSetup) {
+  script(
+      "echo call >> '" + (folder / "calls").string() +
+      "'\n[ \"$1\" = --dump-config ] || exit 4\n"
+      "if [ \"$2\" = bad ]; then echo 'program.sh: --setup bad: no such setup' >&2; exit 2; fi\n");
+  std::vector<WorkItem> items = {item("a", "good"), item("b", "good")};
+  requireConfigurations(items, params.program);
+  EXPECT_EQ(calls(), 1U);
+  items.push_back(item("c", "bad"));
+  items.back().setup = "other";
+  try {
+    requireConfigurations(items, params.program);
+    ADD_FAILURE() << "accepted";
+  } catch (const ConfigError& e) {
+    EXPECT_STREQ(e.what(), "setup other: --setup bad: no such setup");
+  }
+  EXPECT_THROW(requireConfigurations(items, folder / "missing"), DataError);
+  EXPECT_THROW(requireConfigurations(items, "/bin/false"), ConfigError);
+}
+
+TEST_F(Runner, TheTableTellsWhyARunIsDoubtful) {
+  script("mkdir -p \"$2\"\necho '{\"doubts\": [\"one\", \"two\"]}' > \"$2/summary.json\"\n");
+  const std::vector<WorkItem> items = {item("a", "1")};
+  runBatch(items, store, params);
+  EXPECT_EQ(summaryTable(items, store).rows[0].back(), "one; two");
 }
 
 TEST_F(Runner, AFailedRunIsReportedAndTheRestFinished) {

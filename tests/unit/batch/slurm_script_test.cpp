@@ -24,5 +24,14 @@ TEST(SlurmScript, IsAnArrayOfOneTaskPerItem) {
   EXPECT_NE(slurmScript(job, store, params).find("--array=0-4%2\n"), std::string::npos);
 }
 
+TEST(SbatchReason, IsOneLine) {
+  EXPECT_EQ(sbatchReason("sbatch: error: invalid partition specified: nowhere\n"
+                         "sbatch: error: Batch job submission failed: Invalid partition name "
+                         "specified\n"),
+            "invalid partition specified: nowhere; Batch job submission failed: Invalid partition "
+            "name specified");
+  EXPECT_EQ(sbatchReason(""), "no reason given");
+}
+
 }  // namespace
 }  // namespace dynemo::test

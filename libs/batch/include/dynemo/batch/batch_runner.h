@@ -4,6 +4,7 @@
 #include <atomic>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +17,8 @@ struct BatchProgress {
   /// Of the whole work, unfinished runs by how far they say they are, in [0, 1].
   double fraction = 0.0;
   double elapsed_s = 0.0;
-  /// Of the work that this call does; zero while nothing can be said.
-  double remaining_s = 0.0;
+  /// Of the work that this call does; empty while nothing can be said.
+  std::optional<double> remaining_s{};
 };
 
 struct BatchCallbacks {

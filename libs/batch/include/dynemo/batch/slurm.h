@@ -30,6 +30,9 @@ struct SlurmJob {
 /// The script of the array: task i runs item i of work.json in the job's folder.
 std::string slurmScript(const SlurmJob& job, const RunStore& store, const SlurmParams& params);
 
+/// The reasons among what sbatch printed, in one line.
+std::string sbatchReason(const std::string& printed);
+
 /// Writes and submits a job array of the items that are not done; an id is empty when all are.
 /// Throws DataError with what sbatch said when it refuses or is not installed.
 SlurmJob submitToSlurm(const std::vector<WorkItem>& items, const RunStore& store,

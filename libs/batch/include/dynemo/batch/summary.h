@@ -15,8 +15,9 @@ struct Table {
 };
 
 /// One row per item, in the order of the list: state, counts of the run, and the figures of
-/// dynemo-eval where ground truth lies beside the rawlog (empty cells elsewhere; a note says what
-/// could not be read). The same runs give the same table.
+/// dynemo-eval where ground truth lies beside the rawlog (empty cells elsewhere); a note says why a
+/// run failed, why it should not be trusted, and what could not be read. The same runs give the
+/// same table.
 Table summaryTable(const std::vector<WorkItem>& items, const RunStore& store);
 /// Wall and CPU time, real-time factor and memory of each finished run.
 Table performanceTable(const std::vector<WorkItem>& items, const RunStore& store);

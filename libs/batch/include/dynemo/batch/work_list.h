@@ -41,6 +41,9 @@ std::vector<std::filesystem::path> expandRawlogs(const std::vector<std::string>&
 std::vector<WorkItem> makeWorkList(const std::vector<std::filesystem::path>& rawlogs,
                                    const WorkPlan& plan);
 
+/// The rawlogs whose runs have no entity file, each once.
+std::vector<std::string> rawlogsWithoutEntities(const std::vector<WorkItem>& items);
+
 std::string workListJson(const std::vector<WorkItem>& items);
 /// Throws DataError when the file is not what workListJson() writes.
 std::vector<WorkItem> readWorkList(const std::filesystem::path& file);
