@@ -10,15 +10,25 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/share/doc/ DESTINATION ${CMAKE_INSTALL_D
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME dynemo-slam)
 set(CPACK_PACKAGE_VENDOR "DYNEMO-SLAM")
-# Who builds packages for others names himself as Debian's own tools ask for.
-if(DEFINED ENV{DEBEMAIL})
-  set(maintainer "$ENV{DEBFULLNAME}")
-  if(maintainer STREQUAL "")
-    set(maintainer "DYNEMO-SLAM maintainers")
-  endif()
-  set(CPACK_PACKAGE_CONTACT "${maintainer} <$ENV{DEBEMAIL}>")
+# Who builds packages for others names himself, here or as Debian's own tools ask for; else the address says that it is
+# none (RFC 2606).
+set(DYNEMO_MAINTAINER "" CACHE STRING "Maintainer of the Debian packages, as NAME <ADDRESS>")
+set(maintainer "$ENV{DEBFULLNAME}")
+if(maintainer STREQUAL "")
+  set(maintainer "DYNEMO-SLAM maintainers")
+endif()
+if(DYNEMO_MAINTAINER)
+  set(CPACK_PACKAGE_CONTACT "${DYNEMO_MAINTAINER}")
+elseif("$ENV{DEBEMAIL}" MATCHES "<.+>")
+  set(CPACK_PACKAGE_CONTACT "$ENV{DEBEMAIL}")
+elseif("$ENV{DEBEMAIL}" STREQUAL "")
+  set(CPACK_PACKAGE_CONTACT "${maintainer} <maintainers@dynemo-slam.invalid>")
 else()
-  set(CPACK_PACKAGE_CONTACT "DYNEMO-SLAM maintainers <dynemo-slam@localhost>")
+  set(CPACK_PACKAGE_CONTACT "${maintainer} <$ENV{DEBEMAIL}>")
+endif()
+if(NOT CPACK_PACKAGE_CONTACT MATCHES "^[^<>]+ <[^<>@ ]+@[^<>@ ]+\\.[^<>@ ]+>$")
+  message(WARNING "DYNEMO_MAINTAINER (or DEBFULLNAME and DEBEMAIL): '${CPACK_PACKAGE_CONTACT}' is not NAME <ADDRESS>: "
+    "lintian will call it an error")
 endif()
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 # Debian wants a changelog in each package; what changed is in the history of this repository.
