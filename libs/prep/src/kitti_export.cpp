@@ -184,14 +184,14 @@ std::string Sequence::poses() {
     T_base_sensor = *T_base_lidar_;
   std::optional<Pose3> T_odom_first, last;
   std::string text;
-  std::uint64_t leading = 0;
+  std::uint64_t leading = 0, without = 0;
   for (const auto& T_odom_base : T_odom_base_) {
     if (T_odom_base) {
       last = *T_odom_base * T_base_sensor;
       if (!T_odom_first) T_odom_first = last;
       ++report_.poses;
     } else {
-      ++report_.warnings["frame without odometry: pose of the one before it"];
+      ++without;
     }
     if (!last) {
       ++leading;
@@ -200,6 +200,9 @@ std::string Sequence::poses() {
     for (; leading > 0; --leading) text += matrixRow(Pose3()) + "\n";
     text += matrixRow(T_odom_first->inverse() * *last) + "\n";
   }
+  if (without > 0)
+    report_.warnings[last ? "frame without odometry: pose of the one before it"
+                          : "frame without odometry: there is no poses.txt"] += without;
   return last ? text : std::string();
 }
 

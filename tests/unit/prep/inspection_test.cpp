@@ -280,7 +280,6 @@ TEST_F(Check, ASensorThatStartsEarlierHasNoOtherClock) {
 
 TEST_F(Check, AWrongLabelIsAnErrorWithAWayOut) {
   writeLog(log, {});
-  InspectionParams params;
   params.sensors.lidar.label = "velo";
   bool found = false;
   for (const Finding& f : inspectRawlog(log, params).findings)

@@ -226,5 +226,17 @@ TEST_F(Tags, ExportWritesOneOfEachPerFrame) {
   EXPECT_THROW(exportKitti(log, folder / "kitti", {}), DataError);
 }
 
+TEST_F(Tags, ExportWithoutOdometrySaysThatThereAreNoPoses) {
+  {
+    RawlogWriter out(folder / "bare.rawlog");
+    for (int i = 0; i < 5; ++i) out.write(scan(0.1 * i));
+  }
+  const auto report = exportKitti(folder / "bare.rawlog", folder / "kitti", {});
+  EXPECT_EQ(
+      report.warnings,
+      (std::map<std::string, std::uint64_t>{{"frame without odometry: there is no poses.txt", 5}}));
+  EXPECT_FALSE(fs::exists(folder / "kitti" / "poses.txt"));
+}
+
 }  // namespace
 }  // namespace dynemo::test
