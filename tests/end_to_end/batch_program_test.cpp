@@ -95,6 +95,7 @@ TEST_F(BatchProgram, KilledAndContinuedGivesTheFilesOfAnUndisturbedOne) {
 
 TEST_F(BatchProgram, AFailedRunIsReportedAndTheRestFinished) {
   writeBytes(path("broken.rawlog"), "no rawlog");
+  fs::copy(sample.entityTruth(), path("first_gt_entities.csv"));
   const Outcome batch = runCommand({DYNEMO_BATCH, path("broken.rawlog"), path("first.rawlog"),
                                     "--work", path("work"), "--set", "outputs=[trajectory]"});
   EXPECT_EQ(batch.status, 1) << describe(batch);
@@ -104,6 +105,7 @@ TEST_F(BatchProgram, AFailedRunIsReportedAndTheRestFinished) {
   const std::string summary = readBytes(path("work/summary.csv"));
   EXPECT_NE(summary.find("broken,default,failed"), std::string::npos) << summary;
   EXPECT_NE(summary.find("first,default,done,"), std::string::npos) << summary;
+  EXPECT_EQ(summary.find("not evaluated"), std::string::npos) << summary;
 }
 
 TEST_F(BatchProgram, AWrongConfigurationIsRefusedBeforeAnythingRuns) {

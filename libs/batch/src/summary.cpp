@@ -68,7 +68,9 @@ std::vector<std::string> evaluation(const WorkItem& item, const fs::path& folder
   try {
     const Trajectory reference = readTum(item.trajectory_truth);
     std::optional<EntityTruths> truths;
-    if (!item.entity_truth.empty()) truths = readEntityTruths(item.entity_truth);
+    // A run whose outputs leave the entities out still has a trajectory to judge.
+    if (!item.entity_truth.empty() && fs::exists(folder / "entities.csv"))
+      truths = readEntityTruths(item.entity_truth);
     const RunReport report = evaluateRun(folder, reference, truths ? &*truths : nullptr);
     constexpr double kDeg = 180.0 / std::numbers::pi;
     cells[0] = fixed(report.trajectory.ate_m.rmse, 4);
