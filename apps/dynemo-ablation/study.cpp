@@ -150,7 +150,10 @@ class Study {
     const fs::path folder = datasetFolder(dataset, seed);
     fs::remove(folder / (kName + ".rawlog"));
     fs::remove_all(folder / (kName + "_Images"));
-    for (const std::string& odometry : plan_.odometries) fs::remove(folder / (odometry + ".cache"));
+    for (const std::string& odometry : plan_.odometries) {
+      fs::remove(folder / (odometry + ".cache"));
+      fs::remove_all(folder / (odometry + ".cache.planes"));
+    }
   }
 
   const ExperimentPlan& plan_;

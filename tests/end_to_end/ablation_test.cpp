@@ -116,6 +116,7 @@ TEST(FrontEndCache, GivesTheSameBytes) {
   run("without", {"--setup", "full"});
   run("recording", {"--setup", "baseline", "--front-end-cache", cache});
   ASSERT_TRUE(fs::exists(cache));
+  ASSERT_FALSE(fs::is_empty(cache + ".planes"));
   run("replaying", {"--setup", "full", "--front-end-cache", cache});
   for (const char* file : {"trajectory.tum", "keyframes.tum", "odometry.tum", "entities.csv",
                            "graph.g2o", "summary.json"})

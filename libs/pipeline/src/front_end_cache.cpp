@@ -3,10 +3,11 @@
 #include <unistd.h>
 
 #include <sstream>
-#include <type_traits>
 
 #include "dynemo/core/config.h"
 #include "dynemo/core/error.h"
+#include "plane_cache.h"
+#include "record_stream.h"
 
 namespace dynemo {
 namespace {
@@ -17,40 +18,6 @@ namespace fs = std::filesystem;
 constexpr const char* kFormat = "dynemo front-end cache 1";
 /// Before each record, so that a mix-up is noticed.
 constexpr std::uint8_t kOdometryRecord = 'O', kDetectionRecord = 'D', kEnd = 'E';
-
-}  // namespace
-
-template <class T>
-void FrontEndCache::put(const T& value) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  out_.write(reinterpret_cast<const char*>(&value), sizeof(T));
-  if (!out_) throw DataError(temporary_.string() + ": cannot be written");
-}
-
-template <class T>
-T FrontEndCache::get() {
-  static_assert(std::is_trivially_copyable_v<T>);
-  T value;
-  in_.read(reinterpret_cast<char*>(&value), sizeof(T));
-  if (!in_) throw DataError(file_.string() + ": is shorter than the recording; delete it");
-  return value;
-}
-
-void FrontEndCache::putText(const std::string& text) {
-  put(static_cast<std::uint64_t>(text.size()));
-  out_.write(text.data(), static_cast<std::streamsize>(text.size()));
-}
-
-std::string FrontEndCache::getText() {
-  constexpr std::uint64_t kLongest = 1 << 20;
-  const auto size = get<std::uint64_t>();
-  if (size > kLongest) throw DataError(file_.string() + ": is damaged; delete it");
-  std::string text(size, '\0');
-  in_.read(text.data(), static_cast<std::streamsize>(size));
-  return text;
-}
-
-namespace {
 
 /// Rotation, then translation; Eigen's matrices are not trivially copyable.
 using PoseNumbers = std::array<double, 12>;
@@ -102,46 +69,50 @@ class FrontEndCache::Odometry : public ScanOdometry {
 
  private:
   void record(Stamp stamp, const Expected<OdometryEstimate, OdometryFailure>& result) {
-    cache_.put(kOdometryRecord);
-    cache_.put(stamp.ns);
-    cache_.put(static_cast<std::uint8_t>(result.has_value()));
-    if (!result) return cache_.put(result.error());
-    cache_.put(result->stamp.ns);
-    cache_.put(numbers(result->T_odom_base));
-    cache_.put(numbers(result->T_prev_base));
-    cache_.put(numbers(result->covariance));
-    cache_.put(numbers(result->motion.twist.vector()));
-    cache_.put(numbers(result->motion.acceleration.vector()));
-    cache_.put(result->restarted);
-    cache_.put(result->diagnostics.points);
-    cache_.put(result->diagnostics.inlier_ratio);
-    cache_.put(result->diagnostics.residual_rms_m);
-    cache_.put(result->diagnostics.iterations);
+    cache_.writer_->put(kOdometryRecord);
+    cache_.writer_->put(stamp.ns);
+    cache_.writer_->put(static_cast<std::uint8_t>(result.has_value()));
+    if (!result) return cache_.writer_->put(result.error());
+    cache_.writer_->put(result->stamp.ns);
+    cache_.writer_->put(numbers(result->T_odom_base));
+    cache_.writer_->put(numbers(result->T_prev_base));
+    cache_.writer_->put(numbers(result->covariance));
+    cache_.writer_->put(numbers(result->motion.twist.vector()));
+    cache_.writer_->put(numbers(result->motion.acceleration.vector()));
+    cache_.writer_->put(result->restarted);
+    cache_.writer_->put(result->diagnostics.points);
+    cache_.writer_->put(result->diagnostics.inlier_ratio);
+    cache_.writer_->put(result->diagnostics.residual_rms_m);
+    cache_.writer_->put(result->diagnostics.iterations);
     const auto& directions = result->diagnostics.degenerate_directions;
-    cache_.put(static_cast<std::uint8_t>(directions.cols()));
+    cache_.writer_->put(static_cast<std::uint8_t>(directions.cols()));
     for (Eigen::Index i = 0; i < directions.cols(); ++i)
-      cache_.put(numbers(Vector6(directions.col(i))));
+      cache_.writer_->put(numbers(Vector6(directions.col(i))));
   }
 
   Expected<OdometryEstimate, OdometryFailure> replay(Stamp stamp) {
-    if (cache_.get<std::uint8_t>() != kOdometryRecord || cache_.get<std::int64_t>() != stamp.ns)
+    if (cache_.reader_->get<std::uint8_t>() != kOdometryRecord ||
+        cache_.reader_->get<std::int64_t>() != stamp.ns)
       throw DataError(cache_.file_.string() + ": belongs to another recording; delete it");
-    if (cache_.get<std::uint8_t>() == 0) return make_unexpected(cache_.get<OdometryFailure>());
+    if (cache_.reader_->get<std::uint8_t>() == 0)
+      return make_unexpected(cache_.reader_->get<OdometryFailure>());
     OdometryEstimate e;
-    e.stamp.ns = cache_.get<std::int64_t>();
-    e.T_odom_base = pose(cache_.get<PoseNumbers>());
-    e.T_prev_base = pose(cache_.get<PoseNumbers>());
-    e.covariance = matrix(cache_.get<std::array<double, 36>>());
-    e.motion.twist = BodyTwist::fromVector(vector(cache_.get<std::array<double, 6>>()));
-    e.motion.acceleration = BodyTwist::fromVector(vector(cache_.get<std::array<double, 6>>()));
-    e.restarted = cache_.get<bool>();
-    e.diagnostics.points = cache_.get<std::size_t>();
-    e.diagnostics.inlier_ratio = cache_.get<double>();
-    e.diagnostics.residual_rms_m = cache_.get<double>();
-    e.diagnostics.iterations = cache_.get<int>();
-    e.diagnostics.degenerate_directions.resize(6, cache_.get<std::uint8_t>());
+    e.stamp.ns = cache_.reader_->get<std::int64_t>();
+    e.T_odom_base = pose(cache_.reader_->get<PoseNumbers>());
+    e.T_prev_base = pose(cache_.reader_->get<PoseNumbers>());
+    e.covariance = matrix(cache_.reader_->get<std::array<double, 36>>());
+    e.motion.twist = BodyTwist::fromVector(vector(cache_.reader_->get<std::array<double, 6>>()));
+    e.motion.acceleration =
+        BodyTwist::fromVector(vector(cache_.reader_->get<std::array<double, 6>>()));
+    e.restarted = cache_.reader_->get<bool>();
+    e.diagnostics.points = cache_.reader_->get<std::size_t>();
+    e.diagnostics.inlier_ratio = cache_.reader_->get<double>();
+    e.diagnostics.residual_rms_m = cache_.reader_->get<double>();
+    e.diagnostics.iterations = cache_.reader_->get<int>();
+    e.diagnostics.degenerate_directions.resize(6, cache_.reader_->get<std::uint8_t>());
     for (Eigen::Index i = 0; i < e.diagnostics.degenerate_directions.cols(); ++i)
-      e.diagnostics.degenerate_directions.col(i) = vector(cache_.get<std::array<double, 6>>());
+      e.diagnostics.degenerate_directions.col(i) =
+          vector(cache_.reader_->get<std::array<double, 6>>());
     return e;
   }
 
@@ -164,47 +135,48 @@ class FrontEndCache::Detector : public EntityDetector {
 
  private:
   void record(Stamp stamp, const std::vector<EntityObservation>& found) {
-    cache_.put(kDetectionRecord);
-    cache_.put(stamp.ns);
-    cache_.put(static_cast<std::uint64_t>(found.size()));
+    cache_.writer_->put(kDetectionRecord);
+    cache_.writer_->put(stamp.ns);
+    cache_.writer_->put(static_cast<std::uint64_t>(found.size()));
     for (const EntityObservation& o : found) {
-      cache_.put(o.entity.value);
-      cache_.put(o.semantic_class);
-      cache_.putText(o.name);
-      cache_.put(o.stamp.ns);
-      cache_.put(numbers(o.T_base_entity));
-      cache_.put(numbers(o.covariance));
-      cache_.put(o.reprojection_rms_px);
-      cache_.put(o.tag_count);
-      cache_.putText(o.sensor_label);
+      cache_.writer_->put(o.entity.value);
+      cache_.writer_->put(o.semantic_class);
+      cache_.writer_->text(o.name);
+      cache_.writer_->put(o.stamp.ns);
+      cache_.writer_->put(numbers(o.T_base_entity));
+      cache_.writer_->put(numbers(o.covariance));
+      cache_.writer_->put(o.reprojection_rms_px);
+      cache_.writer_->put(o.tag_count);
+      cache_.writer_->text(o.sensor_label);
     }
-    cache_.put(static_cast<std::uint64_t>(warnings_.size()));
+    cache_.writer_->put(static_cast<std::uint64_t>(warnings_.size()));
     for (const auto& [text, count] : warnings_) {
-      cache_.putText(text);
-      cache_.put(count);
+      cache_.writer_->text(text);
+      cache_.writer_->put(count);
     }
   }
 
   std::vector<EntityObservation> replay(Stamp stamp) {
-    if (cache_.get<std::uint8_t>() != kDetectionRecord || cache_.get<std::int64_t>() != stamp.ns)
+    if (cache_.reader_->get<std::uint8_t>() != kDetectionRecord ||
+        cache_.reader_->get<std::int64_t>() != stamp.ns)
       throw DataError(cache_.file_.string() + ": belongs to another recording; delete it");
     std::vector<EntityObservation> found;
-    for (auto left = cache_.get<std::uint64_t>(); left > 0; --left) {
+    for (auto left = cache_.reader_->get<std::uint64_t>(); left > 0; --left) {
       EntityObservation o;
-      o.entity.value = cache_.get<std::int64_t>();
-      o.semantic_class = cache_.get<SemanticClass>();
-      o.name = cache_.getText();
-      o.stamp.ns = cache_.get<std::int64_t>();
-      o.T_base_entity = pose(cache_.get<PoseNumbers>());
-      o.covariance = matrix(cache_.get<std::array<double, 36>>());
-      o.reprojection_rms_px = cache_.get<double>();
-      o.tag_count = cache_.get<int>();
-      o.sensor_label = cache_.getText();
+      o.entity.value = cache_.reader_->get<std::int64_t>();
+      o.semantic_class = cache_.reader_->get<SemanticClass>();
+      o.name = cache_.reader_->text();
+      o.stamp.ns = cache_.reader_->get<std::int64_t>();
+      o.T_base_entity = pose(cache_.reader_->get<PoseNumbers>());
+      o.covariance = matrix(cache_.reader_->get<std::array<double, 36>>());
+      o.reprojection_rms_px = cache_.reader_->get<double>();
+      o.tag_count = cache_.reader_->get<int>();
+      o.sensor_label = cache_.reader_->text();
       found.push_back(std::move(o));
     }
-    for (auto left = cache_.get<std::uint64_t>(); left > 0; --left) {
-      const std::string text = cache_.getText();
-      warnings_[text] = cache_.get<std::uint64_t>();
+    for (auto left = cache_.reader_->get<std::uint64_t>(); left > 0; --left) {
+      const std::string text = cache_.reader_->text();
+      warnings_[text] = cache_.reader_->get<std::uint64_t>();
     }
     return found;
   }
@@ -215,24 +187,31 @@ class FrontEndCache::Detector : public EntityDetector {
 
 FrontEndCache::FrontEndCache(fs::path file, const std::string& identity)
     : file_(std::move(file)),
+      identity_(identity),
       // Its own name for each process: several may record at the same time.
       temporary_(file_.string() + "." + std::to_string(::getpid()) + ".part") {
-  in_.open(file_, std::ios::binary);
-  if (in_.is_open()) {
-    try {
-      if (getText() == kFormat && getText() == identity) return;
-    } catch (const DataError&) {
-      // Not a cache, or an older one: recorded anew below.
-    }
-    in_.close();
-    in_.clear();
-  }
+  if (opens(identity)) return;
   std::error_code failure;
   if (file_.has_parent_path()) fs::create_directories(file_.parent_path(), failure);
   out_.open(temporary_, std::ios::binary);
   if (!out_) throw DataError(temporary_.string() + ": cannot be written");
-  putText(kFormat);
-  putText(identity);
+  writer_ = std::make_unique<RecordWriter>(out_, temporary_);
+  writer_->text(kFormat);
+  writer_->text(identity);
+}
+
+bool FrontEndCache::opens(const std::string& identity) {
+  in_.open(file_, std::ios::binary);
+  if (!in_.is_open()) return false;
+  reader_ = std::make_unique<RecordReader>(in_, file_);
+  try {
+    if (reader_->text() == kFormat && reader_->text() == identity) return true;
+  } catch (const DataError&) {
+    // Not a cache, or an older one: recorded anew.
+  }
+  reader_.reset();
+  in_.close();
+  return false;
 }
 
 FrontEndCache::~FrontEndCache() {
@@ -246,13 +225,17 @@ std::unique_ptr<ScanOdometry> FrontEndCache::wrap(std::unique_ptr<ScanOdometry> 
   return std::make_unique<Odometry>(*this, std::move(odometry));
 }
 
+std::unique_ptr<PlaneExtractor> FrontEndCache::wrap(std::unique_ptr<PlaneExtractor> extractor) {
+  return std::make_unique<PlaneCache>(file_.string() + ".planes", identity_, std::move(extractor));
+}
+
 std::unique_ptr<EntityDetector> FrontEndCache::wrap(std::unique_ptr<EntityDetector> detector) {
   return std::make_unique<Detector>(*this, std::move(detector));
 }
 
 void FrontEndCache::finish() {
   if (!out_.is_open()) return;
-  put(kEnd);
+  writer_->put(kEnd);
   out_.close();
   std::error_code failure;
   if (out_) fs::rename(temporary_, file_, failure);

@@ -47,6 +47,7 @@ SlamPipeline::~SlamPipeline() = default;
 void SlamPipeline::useCache(FrontEndCache& cache) {
   tracker_.useCache(cache);
   for (auto& detector : detectors_) detector = cache.wrap(std::move(detector));
+  plane_extractor_ = cache.wrap(std::move(plane_extractor_));
 }
 
 void SlamPipeline::process(SensorFrame frame, FrameTiming& timing) {

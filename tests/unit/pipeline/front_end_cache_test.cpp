@@ -49,9 +49,32 @@ class FailingOdometry : public ScanOdometry {
   }
 };
 
+/// One plane, whose number of calls a test can ask for.
+class CountingExtractor : public PlaneExtractor {
+ public:
+  explicit CountingExtractor(int& calls) : calls_(calls) {}
+  std::vector<PlaneObservation> extract(const Scan& scan) const override {
+    ++calls_;
+    PlaneObservation plane;
+    plane.patch_base.center = scan.cloud.points.front().cast<double>() / 3.0;
+    plane.patch_base.normal = Vector3(0.6, 0.0, 0.8);
+    plane.patch_base.cells = {{1, -2}, {300, 4}};
+    plane.covariance << 1, 2, 3, 2, 5, 6, 3, 6, 9;
+    plane.rms_m = 0.1;
+    plane.points = {0, 7, 9};
+    return {plane, plane};
+  }
+
+ private:
+  int& calls_;
+};
+
 class FrontEndCacheTest : public testing::Test {
  protected:
-  void SetUp() override { fs::remove(file_); }
+  void SetUp() override {
+    fs::remove(file_);
+    fs::remove_all(file_.string() + ".planes");
+  }
 
   static SensorFrame frame(std::int64_t ns) {
     SensorFrame f;
@@ -132,6 +155,53 @@ TEST_F(FrontEndCacheTest, OtherParametersAndForeignFilesAreRecordedAnew) {
 TEST_F(FrontEndCacheTest, AnInterruptedRecordingLeavesNothing) {
   record(2, false);
   EXPECT_FALSE(fs::exists(file_));
+}
+
+class PlanesInCache : public FrontEndCacheTest {
+ protected:
+  std::vector<PlaneObservation> extract(const Scan& scan, const std::string& identity = "one") {
+    FrontEndCache cache(file_, identity);
+    return cache.wrap(std::make_unique<CountingExtractor>(calls_))->extract(scan);
+  }
+  static Scan scanWith(const Eigen::Vector3f& point) {
+    Scan s = scan(5);
+    s.cloud.points = {point};
+    return s;
+  }
+
+  int calls_ = 0;
+};
+
+TEST_F(PlanesInCache, AreExtractedOnce) {
+  const Scan scan = scanWith({1, 2, 3});
+  const auto first = extract(scan), second = extract(scan);
+  EXPECT_EQ(calls_, 1);
+  ASSERT_EQ(second.size(), 2u);
+  EXPECT_EQ(second[1].patch_base.center, first[1].patch_base.center);
+  EXPECT_EQ(second[1].patch_base.normal, first[1].patch_base.normal);
+  EXPECT_EQ(second[1].patch_base.cells, first[1].patch_base.cells);
+  EXPECT_EQ(second[1].covariance, first[1].covariance);
+  EXPECT_EQ(second[1].rms_m, first[1].rms_m);
+  EXPECT_EQ(second[1].points, first[1].points);
+}
+
+TEST_F(PlanesInCache, OfOtherScansAndParametersAreNotTaken) {
+  extract(scanWith({1, 2, 3}));
+  extract(scanWith({1, 2, 3.001f}));
+  EXPECT_EQ(calls_, 2) << "the same time, straightened otherwise";
+  extract(scanWith({1, 2, 3}), "another");
+  EXPECT_EQ(calls_, 3);
+}
+
+TEST_F(PlanesInCache, DamagedFilesAreWrittenAnew) {
+  const Scan scan = scanWith({1, 2, 3});
+  extract(scan);
+  for (const auto& entry : fs::directory_iterator(file_.string() + ".planes"))
+    fs::resize_file(entry.path(), fs::file_size(entry.path()) - 1);
+  EXPECT_EQ(extract(scan).size(), 2u);
+  EXPECT_EQ(calls_, 2);
+  extract(scan);
+  EXPECT_EQ(calls_, 2);
 }
 
 TEST(FrontEndIdentity, ChangesWithTheFrontEndAndNotWithTheSetup) {
