@@ -44,7 +44,7 @@ struct MappingParams {
   /// For LiDAR odometry that knows no deskewing.
   SweepDistortionParams sweep_distortion;
   /// Huber width of odometry edges in standard deviations; none when empty.
-  std::optional<double> odometry_kernel_width;
+  std::optional<double> odometry_kernel_width = 1.5;
   /// Cauchy width of keyframe–entity edges in standard deviations; none when empty.
   std::optional<double> detection_kernel_width = 3.0;
 
