@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "dynemo/core/child_process.h"
@@ -174,14 +175,41 @@ void addWalls(const fs::path& world_file, Plot& plot) {
   plot.curve("walls", "with lines linewidth 2 linecolor rgb '#808080'");
 }
 
+/// Objects where they were registered, and where they were; agents' ways.
+void addEntities(const RunResult& run, Plot& plot) {
+  std::map<int, std::vector<const EntitySample*>> tracks;
+  for (const EntitySample& s : run.entity_samples) tracks[s.id].push_back(&s);
+  for (const bool truth : {true, false}) {
+    const std::size_t x = truth ? 2 : 0;
+    for (const auto& [id, track] : tracks) {
+      if (track.front()->semantic_class != "object") continue;
+      for (const EntitySample* s : track) plot.line({s->place[x], s->place[x + 1]});
+    }
+    plot.curve(truth ? "objects, truth" : "objects",
+               truth ? "with points pointtype 4 pointsize 0.9 linecolor rgb '#909090'"
+                     : "with points pointtype 7 pointsize 0.3 linecolor rgb '#d95f02'");
+    for (const auto& [id, track] : tracks) {
+      if (track.front()->semantic_class == "object") continue;
+      for (const EntitySample* s : track) plot.line({s->place[x], s->place[x + 1]});
+      plot.gap();
+    }
+    plot.curve(
+        truth ? "agents, truth" : "agents",
+        truth ? "with linespoints pointtype 7 pointsize 0.3 linewidth 2 linecolor rgb '#d0d0e0'"
+              : "with linespoints pointtype 7 pointsize 0.2 linewidth 0.7 linecolor rgb "
+                "'#7570b3'");
+  }
+}
+
 Plot mapFromAbove(const std::vector<RunResult>& results, const std::string& dataset,
                   const std::string& odometry, const std::map<std::string, fs::path>& worlds) {
   Plot plot(fileName("map_" + dataset + "_" + odometry),
-            "Trajectories from above, " + dataset + ", " + odometry + ", seed 1",
+            "Trajectories and entities from above, " + dataset + ", " + odometry + ", seed 1",
             "set xlabel 'x [m]'\nset ylabel 'y [m]'\nset size ratio -1\n");
   const auto world = worlds.find(dataset);
   if (world != worlds.end()) addWalls(world->second, plot);
   bool truth_drawn = false;
+  const RunResult* with_entities = nullptr;
   int colour = 0;
   for (const SetupName& setup : setupNames()) {
     ++colour;
@@ -194,10 +222,13 @@ Plot mapFromAbove(const std::vector<RunResult>& results, const std::string& data
         plot.curve("truth", "with lines linewidth 3 linecolor rgb '#c0c0c0'");
         truth_drawn = true;
       }
+      if (!r.entity_samples.empty()) with_entities = &r;
       for (const auto& p : r.path) plot.line({p[0], p[1]});
       plot.curve(setup.paper, "with lines linewidth 1 linecolor " + std::to_string(colour));
     }
   }
+  // Of the last setup that maps any.
+  if (with_entities) addEntities(*with_entities, plot);
   return plot;
 }
 

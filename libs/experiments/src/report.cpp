@@ -86,6 +86,8 @@ std::string tables(const std::vector<Cell>& cells, const PaperTables& paper,
        [](const PaperRow& r) { return std::to_string(r.loop_closures); }},
       {"Optimisation time [ms]", [](const Cell& c) { return withInterval(c.optimization_ms, 2); },
        [](const PaperRow& r) { return formatted("%.0f", r.optimization_ms); }},
+      {"Optimisation time of the processor [ms]",
+       [](const Cell& c) { return withInterval(c.optimization_cpu_ms, 2); }, nullptr},
       {"Objects: error at the first registration → at the end [cm]",
        [](const Cell& c) {
          return withInterval(c.entity_first_cm, 1) + " → " + withInterval(c.entity_last_cm, 1);

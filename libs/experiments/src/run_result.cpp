@@ -31,11 +31,14 @@ void addEntities(const EntityErrors& errors, Stamp start, RunResult& result) {
   std::map<EntityId, std::vector<const EntityNodeError*>> tracks;
   for (const EntityNodeError& node : errors.nodes) {
     tracks[node.estimate.entity].push_back(&node);
-    result.entity_samples.push_back({static_cast<int>(node.estimate.entity.value),
-                                     semanticClassName(node.estimate.semantic_class),
-                                     secondsBetween(start, node.estimate.stamp),
-                                     node.first.translation_m,
-                                     node.first.rotation_rad * 180.0 / std::numbers::pi});
+    result.entity_samples.push_back(
+        {static_cast<int>(node.estimate.entity.value),
+         semanticClassName(node.estimate.semantic_class),
+         secondsBetween(start, node.estimate.stamp),
+         node.first.translation_m,
+         node.first.rotation_rad * 180.0 / std::numbers::pi,
+         {node.T_world_entity_estimated.t.x(), node.T_world_entity_estimated.t.y(),
+          node.T_world_entity.t.x(), node.T_world_entity.t.y()}});
   }
   for (auto& [id, nodes] : tracks) {
     std::stable_sort(nodes.begin(), nodes.end(), [](const auto* a, const auto* b) {
@@ -63,6 +66,7 @@ void addOptimizations(const fs::path& file, RunResult& result) {
   for (std::size_t i = 0; i < table.rows(); ++i) {
     result.optimization_samples.push_back({table.number(i, "nodes"), table.number(i, "ms")});
     result.optimization_ms += table.number(i, "ms") / static_cast<double>(table.rows());
+    result.optimization_cpu_ms += table.number(i, "cpu_ms") / static_cast<double>(table.rows());
   }
   result.optimizations = table.rows();
 }
@@ -90,11 +94,17 @@ RunResult evaluate(const RunKey& key, const fs::path& run, const fs::path& datas
 }
 
 void writeResult(const RunResult& r, const fs::path& file) {
-  Json json{{"dataset", r.key.dataset},           {"seed", r.key.seed},
-            {"odometry", r.key.odometry},         {"setup", r.key.setup},
-            {"ate_rmse_m", r.ate_rmse_m},         {"ate_std_m", r.ate_std_m},
-            {"odometry_ate_m", r.odometry_ate_m}, {"optimization_ms", r.optimization_ms},
-            {"optimizations", r.optimizations},   {"path", r.path}};
+  Json json{{"dataset", r.key.dataset},
+            {"seed", r.key.seed},
+            {"odometry", r.key.odometry},
+            {"setup", r.key.setup},
+            {"ate_rmse_m", r.ate_rmse_m},
+            {"ate_std_m", r.ate_std_m},
+            {"odometry_ate_m", r.odometry_ate_m},
+            {"optimization_ms", r.optimization_ms},
+            {"optimizations", r.optimizations},
+            {"optimization_cpu_ms", r.optimization_cpu_ms},
+            {"path", r.path}};
   if (r.loop_closures) json["loop_closures"] = *r.loop_closures;
   json["entities"] = Json::array();
   for (const EntityResult& e : r.entities)
@@ -102,7 +112,7 @@ void writeResult(const RunResult& r, const fs::path& file) {
   json["entity_samples"] = Json::array();
   for (const EntitySample& s : r.entity_samples)
     json["entity_samples"].push_back(
-        {s.id, s.semantic_class, s.t_s, s.translation_m, s.rotation_deg});
+        {s.id, s.semantic_class, s.t_s, s.translation_m, s.rotation_deg, s.place});
   json["optimization_samples"] = Json::array();
   for (const OptimizationSample& s : r.optimization_samples)
     json["optimization_samples"].push_back({s.nodes, s.ms});
@@ -118,12 +128,13 @@ RunResult readResult(const fs::path& file) {
     r.ate_std_m = json.at("ate_std_m");
     r.odometry_ate_m = json.at("odometry_ate_m");
     r.optimization_ms = json.at("optimization_ms");
+    r.optimization_cpu_ms = json.at("optimization_cpu_ms");
     r.optimizations = json.at("optimizations");
     if (json.contains("loop_closures")) r.loop_closures = json["loop_closures"].get<int>();
     for (const auto& e : json.at("entities"))
       r.entities.push_back({e.at(0), e.at(1), e.at(2), e.at(3)});
     for (const auto& s : json.at("entity_samples"))
-      r.entity_samples.push_back({s.at(0), s.at(1), s.at(2), s.at(3), s.at(4)});
+      r.entity_samples.push_back({s.at(0), s.at(1), s.at(2), s.at(3), s.at(4), s.at(5)});
     for (const auto& s : json.at("optimization_samples"))
       r.optimization_samples.push_back({s.at(0), s.at(1)});
     r.path = json.at("path").get<std::vector<std::array<double, 4>>>();

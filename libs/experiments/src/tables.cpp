@@ -18,12 +18,13 @@ MeanInterval over(const std::vector<const RunResult*>& runs, Value value) {
 
 Cell cellOf(const std::vector<const RunResult*>& runs) {
   const RunKey& key = runs.front()->key;
-  Cell cell{key.dataset, key.odometry, key.setup, {}, {}, {}, {}, {}, {}, {}};
+  Cell cell{key.dataset, key.odometry, key.setup, {}, {}, {}, {}, {}, {}, {}, {}};
   cell.ate_rmse_cm = over(runs, [](const RunResult& r) { return kCentimetres * r.ate_rmse_m; });
   cell.ate_std_cm = over(runs, [](const RunResult& r) { return kCentimetres * r.ate_std_m; });
   cell.odometry_ate_cm =
       over(runs, [](const RunResult& r) { return kCentimetres * r.odometry_ate_m; });
   cell.optimization_ms = over(runs, [](const RunResult& r) { return r.optimization_ms; });
+  cell.optimization_cpu_ms = over(runs, [](const RunResult& r) { return r.optimization_cpu_ms; });
   std::vector<double> closures, first, last;
   for (const RunResult* run : runs) {
     if (run->loop_closures) closures.push_back(*run->loop_closures);
@@ -76,13 +77,14 @@ const Cell* findCell(const std::vector<Cell>& cells, const std::string& dataset,
 std::string runsCsv(const std::vector<RunResult>& results) {
   std::string text =
       "dataset,seed,odometry,setup,ate_rmse_m,ate_std_m,odometry_ate_m,loop_closures,optimizations,"
-      "optimization_ms\n";
+      "optimization_ms,optimization_cpu_ms\n";
   for (const RunResult& r : results) {
     text += r.key.dataset + "," + std::to_string(r.key.seed) + "," + r.key.odometry + "," +
             r.key.setup + "," + exactNumber(r.ate_rmse_m) + "," + exactNumber(r.ate_std_m) + "," +
             exactNumber(r.odometry_ate_m) + "," +
             (r.loop_closures ? std::to_string(*r.loop_closures) : "") + "," +
-            std::to_string(r.optimizations) + "," + exactNumber(r.optimization_ms) + "\n";
+            std::to_string(r.optimizations) + "," + exactNumber(r.optimization_ms) + "," +
+            exactNumber(r.optimization_cpu_ms) + "\n";
   }
   return text;
 }
@@ -91,7 +93,8 @@ std::string tablesCsv(const std::vector<Cell>& cells, const PaperTables& paper) 
   std::string text =
       "dataset,odometry,setup,seeds,ate_rmse_cm,ate_rmse_ci95_cm,ate_std_cm,ate_std_ci95_cm,"
       "odometry_ate_cm,odometry_ate_ci95_cm,loop_closures,loop_closures_ci95,optimization_ms,"
-      "optimization_ci95_ms,object_first_cm,object_first_ci95_cm,object_last_cm,object_last_ci95_"
+      "optimization_ci95_ms,optimization_cpu_ms,optimization_cpu_ci95_ms,object_first_cm,object_"
+      "first_ci95_cm,object_last_cm,object_last_ci95_"
       "cm,"
       "paper_ate_rmse_cm,paper_ate_std_cm,paper_loop_closures,paper_optimization_ms\n";
   for (const Cell& c : cells) {
@@ -99,7 +102,7 @@ std::string tablesCsv(const std::vector<Cell>& cells, const PaperTables& paper) 
         c.dataset + "," + c.odometry + "," + c.setup + "," + std::to_string(c.ate_rmse_cm.count);
     for (const MeanInterval* m :
          {&c.ate_rmse_cm, &c.ate_std_cm, &c.odometry_ate_cm, &c.loop_closures, &c.optimization_ms,
-          &c.entity_first_cm, &c.entity_last_cm})
+          &c.optimization_cpu_ms, &c.entity_first_cm, &c.entity_last_cm})
       text += "," + csv(*m);
     if (const PaperRow* row = paper.find(c.dataset, c.setup))
       text += "," + exactNumber(row->ate_rmse_cm) + "," + exactNumber(row->ate_std_cm) + "," +

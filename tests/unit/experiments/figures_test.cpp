@@ -23,6 +23,8 @@ TEST(Figures, AreDrawnByGnuplot) {
   }
   EXPECT_NE(figures[1].svg.find("truth"), std::string::npos);
   EXPECT_NE(figures[1].svg.find("Full"), std::string::npos);
+  for (const char* curve : {">objects, truth<", ">objects<", ">agents, truth<", ">agents<"})
+    EXPECT_NE(figures[1].svg.find(curve), std::string::npos) << curve;
 }
 
 }  // namespace

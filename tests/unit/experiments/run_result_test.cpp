@@ -23,6 +23,8 @@ TEST(RunResult, ReadsBackWhatItWrites) {
   EXPECT_EQ(again.entities[2].semantic_class, "agent");
   ASSERT_EQ(again.entity_samples.size(), 2u);
   EXPECT_EQ(again.entity_samples[1].rotation_deg, 1.0);
+  EXPECT_EQ(again.entity_samples[1].place, result.entity_samples[1].place);
+  EXPECT_EQ(again.optimization_cpu_ms, 2.5);
   EXPECT_EQ(again.optimization_samples[1].ms, 4.0);
   EXPECT_EQ(again.path, result.path);
 }

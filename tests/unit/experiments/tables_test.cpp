@@ -43,7 +43,7 @@ TEST(Cells, AverageOverSeeds) {
 
 TEST(TablesCsv, HasOurFiguresAndThePapers) {
   const std::string csv = tablesCsv(cellsOf({madeUp("S-SAMO", 1, "full", 0.04)}), paper());
-  EXPECT_NE(csv.find("\nS-SAMO,keyframe_gicp,full,1,4,0,2,0,8,0,,,3,0,6,"), std::string::npos)
+  EXPECT_NE(csv.find("\nS-SAMO,keyframe_gicp,full,1,4,0,2,0,8,0,,,3,0,2.5,0,6,"), std::string::npos)
       << csv;
   EXPECT_NE(csv.find(",9.045,7.197,6,78\n"), std::string::npos) << csv;
 }

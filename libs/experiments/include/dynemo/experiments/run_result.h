@@ -1,6 +1,7 @@
 // What is kept of one run.
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -17,12 +18,15 @@ struct EntityResult {
   double last_m = 0.0;   ///< error of the last node after the final optimisation
 };
 
-/// One entity at one registration, as the run believed at that time.
+/// One entity at one registration.
 struct EntitySample {
   int id = 0;
   std::string semantic_class;
   double t_s = 0.0;
+  /// Error as the run believed at that time.
   double translation_m = 0.0, rotation_deg = 0.0;
+  /// x y in the world: estimate at the end after alignment, truth.
+  std::array<double, 4> place{};
 };
 
 struct OptimizationSample {
@@ -34,6 +38,7 @@ struct RunResult {
   double ate_rmse_m = 0.0, ate_std_m = 0.0, odometry_ate_m = 0.0;
   std::optional<int> loop_closures;  ///< empty when loops are not closed
   double optimization_ms = 0.0;      ///< mean
+  double optimization_cpu_ms = 0.0;  ///< mean, of the processor
   std::size_t optimizations = 0;
   std::vector<EntityResult> entities;
   std::vector<EntitySample> entity_samples;

@@ -13,7 +13,7 @@ namespace dynemo::experiments {
 /// All seeds of one dataset, odometry and setup.
 struct Cell {
   std::string dataset, odometry, setup;
-  MeanInterval ate_rmse_cm, ate_std_cm, odometry_ate_cm, optimization_ms;
+  MeanInterval ate_rmse_cm, ate_std_cm, odometry_ate_cm, optimization_ms, optimization_cpu_ms;
   MeanInterval loop_closures;                    ///< count 0 when loops are not closed
   MeanInterval entity_first_cm, entity_last_cm;  ///< of the objects
 };
