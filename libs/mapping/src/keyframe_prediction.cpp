@@ -23,6 +23,11 @@ KeyframePrediction::KeyframePrediction(const CSceneGraph& graph, const Pose3& T_
   }
 }
 
+void KeyframePrediction::widen(const Matrix6& covariance) {
+  joint_.topLeftCorner<6, 6>() += covariance;
+  covariance_ += covariance;
+}
+
 bool KeyframePrediction::knows(NodeId node) const {
   return std::find(nodes_.begin(), nodes_.end(), node) != nodes_.end();
 }

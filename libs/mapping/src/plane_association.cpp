@@ -97,6 +97,51 @@ std::vector<Match> matches(const CSceneGraph& graph, const KeyframePrediction& p
   return list;
 }
 
+/// Share of the points that lie where the mapped plane has been seen, up to an offset.
+double coverOf(const CSceneGraph& graph, const CNodePlane& plane, std::span<const Vector3> points,
+               double offset_m) {
+  const double reach_m = std::hypot(PlanePatch::kCell_m, offset_m);
+  std::vector<char> covered(points.size(), 0);
+  for (const EdgeId id : graph.edgesOf(plane.id)) {
+    const auto* edge = dynamic_cast<const CEdgeKeyframePlane*>(graph.edgeSlots()[id.value].get());
+    if (!edge) continue;
+    const auto& keyframe = graph.getNode<CNodeKeyframe>(edge->nodes[0]);
+    const auto seen = cellCenters(edge->patch_base, keyframe.T_map_base());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!covered[i]) covered[i] = withinGap(points.subspan(i, 1), seen, reach_m) ? 1 : 0;
+    }
+  }
+  const auto count = std::count(covered.begin(), covered.end(), 1);
+  return static_cast<double>(count) / static_cast<double>(points.size());
+}
+
+struct CoveredPlane {
+  NodeId plane{};
+  double offset_m = 0.0;
+};
+
+/// The nearest mapped plane that the observation would hide, or be hidden by, were it another.
+std::optional<CoveredPlane> covered(const CSceneGraph& graph, const KeyframePrediction& prediction,
+                                    const PlaneObservation& observation,
+                                    const PlaneAssociationParams& params) {
+  const Pose3& T = prediction.T_map_base();
+  const auto points = cellCenters(observation.patch_base, T);
+  const Vector3 center = T * observation.patch_base.center;
+  std::optional<CoveredPlane> nearest;
+  double nearest_m = params.max_slip_m;
+  for (const auto& plane : graph.planes()) {
+    const double offset_m = std::abs(plane->plane_map.distance(center));
+    if (offset_m >= nearest_m || points.empty() || !prediction.knows(plane->id) ||
+        !alike(plane->plane_map, observation.patch_base, T, params) ||
+        coverOf(graph, *plane, points, offset_m) < params.min_cover) {
+      continue;
+    }
+    nearest = {plane->id, offset_m};
+    nearest_m = offset_m;
+  }
+  return nearest;
+}
+
 /// The plane that a node is merged into, itself when it is not.
 NodeId keptBy(NodeId node, const std::vector<PlaneMerge>& merges) {
   for (const PlaneMerge& merge : merges) {
@@ -117,6 +162,12 @@ void fields(FieldVisitor& v, PlaneAssociationParams& p) {
            Range::positive());
   v.number("max_gap_m", p.max_gap_m, "Distance between the seen parts of one plane",
            Range::positive());
+  v.number("max_slip_m", p.max_slip_m,
+           "Offset up to which a plane that covers a mapped one is the same, however certain both "
+           "are; 0 for never",
+           Range::nonNegative());
+  v.number("min_cover", p.min_cover, "Least share of the plane that covers the mapped one",
+           Range::between(0.0, 1.0));
   v.number("flatness_sigma_m", p.flatness_sigma_m, "How far walls are from flat",
            Range::nonNegative());
   v.angle("flatness_sigma_deg", p.flatness_sigma_rad, "How far walls are from flat",
@@ -145,7 +196,12 @@ PlaneAssociation associatePlanes(const CSceneGraph& graph, const KeyframePredict
   for (const PlaneObservation& observation : observations) {
     const auto found = matches(graph, prediction, observation, gate, params);
     if (found.empty()) {
-      result.plane.emplace_back();
+      const auto plane = covered(graph, prediction, observation, params);
+      result.plane.push_back(plane ? std::optional(plane->plane) : std::nullopt);
+      if (plane) {
+        const Vector3 slip_m = plane->offset_m * observation.patch_base.normal;
+        result.slip.topLeftCorner<3, 3>() += slip_m * slip_m.transpose();
+      }
       continue;
     }
     const CNodePlane& best = *found.front().plane;

@@ -214,11 +214,14 @@ std::optional<KeyframePrediction> SlamPipeline::predict(const KeyframeData& keyf
 }
 
 void SlamPipeline::associate(KeyframeData& keyframe) {
-  const auto prediction = predict(keyframe);
+  auto prediction = predict(keyframe);
   if (!prediction) return;
   if (params_.mapping.planes.enabled) {
     keyframe.plane_association =
         associatePlanes(graph_, *prediction, keyframe.planes, params_.mapping.planes.association);
+    // What the walls show of a slip must not look like motion of the entities.
+    keyframe.odometry_covariance += keyframe.plane_association.slip;
+    prediction->widen(keyframe.plane_association.slip);
   }
   for (const EntityObservation& observation : keyframe.observations) {
     const CNodeEntity* last = graph_.lastObservation(observation.entity);

@@ -94,11 +94,30 @@ TEST_F(Association, TheFacesOfAThinWallStayTwo) {
 
 TEST_F(Association, UncertaintyDecidesWhatIsTheSame) {
   const NodeId wall = map(face({3, 0, 1}, {-1, 0, 0}));
-  const auto shifted = face({3.15, 0, 1}, {-1, 0, 0});
+  const auto shifted = face({3.2, 0, 1}, {-1, 0, 0});
   EXPECT_FALSE(associate({shifted}, Pose3(), 0.01).plane[0]);
   EXPECT_EQ(associate({shifted}, Pose3(), 0.10).plane[0], wall);
   EXPECT_FALSE(associate({face({3.8, 0, 1}, {-1, 0, 0})}, Pose3(), 1.0).plane[0])
       << "however uncertain the robot is";
+}
+
+TEST_F(Association, AFaceThatWouldHideAMappedOneIsThatOne) {
+  const NodeId wall = map(face({3, 0, 1}, {-1, 0, 0}));
+  // Beyond the uncertainty, but a wall cannot be seen through another.
+  const auto slipped = associate({face({2.92, 0.3, 1}, {-1, 0, 0})}, Pose3(), 0.01);
+  EXPECT_EQ(slipped.plane[0], wall);
+  Matrix6 slip = Matrix6::Zero();
+  slip(0, 0) = 0.08 * 0.08;
+  EXPECT_TRUE(slipped.slip.isApprox(slip, 1e-9)) << slipped.slip;
+  EXPECT_TRUE(associate({face({3.0, 0.3, 1}, {-1, 0, 0})}, Pose3(), 0.01).slip.isZero());
+
+  const auto beside = associate({face({2.92, 3.0, 1}, {-1, 0, 0})}, Pose3(), 0.01);
+  EXPECT_FALSE(beside.plane[0]) << "a quarter of it alone is in front of the wall";
+  EXPECT_TRUE(beside.slip.isZero());
+  const auto other_side = associate({face({2.92, 0, 1}, {1, 0, 0})}, Pose3(), 0.01);
+  EXPECT_FALSE(other_side.plane[0]) << "the back of a thin wall";
+  params_.max_slip_m = 0.05;
+  EXPECT_FALSE(associate({face({2.92, 0.3, 1}, {-1, 0, 0})}, Pose3(), 0.01).plane[0]);
 }
 
 TEST_F(Association, OfSeveralTheNearestIsTaken) {

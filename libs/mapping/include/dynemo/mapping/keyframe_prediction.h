@@ -18,6 +18,9 @@ class KeyframePrediction {
                      const Matrix6& odometry_covariance, std::vector<NodeId> nodes,
                      const MatrixX& joint);
 
+  /// Adds to the uncertainty of the motion since the last keyframe, right tangent.
+  void widen(const Matrix6& covariance);
+
   const Pose3& T_map_base() const { return T_map_base_; }
   bool knows(NodeId node) const;
   /// Of the right tangent of the new keyframe.

@@ -18,6 +18,12 @@ struct PlaneAssociationParams {
   double max_offset_m = 0.5;
   /// How far apart the seen parts of one plane may be.
   double max_gap_m = 5.0;
+  /// Of two faces that look the same way, one behind the other, the front one would hide the other.
+  /// A plane that covers a mapped one is that one up to this offset, however certain both are: the
+  /// robot has slipped.
+  double max_slip_m = 0.15;
+  /// Least share of the plane that covers what was seen of the mapped one.
+  double min_cover = 0.6;
   /// Added to every comparison: walls are not quite flat.
   double flatness_sigma_m = 0.01;
   double flatness_sigma_rad = 0.005;
@@ -33,6 +39,9 @@ struct PlaneAssociation {
   /// Per observation, the mapped plane it is of; empty for one that is not mapped.
   std::vector<std::optional<NodeId>> plane;
   std::vector<PlaneMerge> merges;
+  /// Error of the motion since the last keyframe that covered planes have shown, beyond what it
+  /// claims: covariance of the right tangent.
+  Matrix6 slip = Matrix6::Zero();
 };
 
 /// Mapped planes that the observations could be of by angle, offset and overlap alone; ascending.
@@ -41,7 +50,7 @@ std::vector<NodeId> planeCandidates(const CSceneGraph& graph, const Pose3& T_map
                                     const std::vector<PlaneObservation>& observations,
                                     const PlaneAssociationParams& params);
 
-/// The candidate nearest by Mahalanobis distance, with the joint uncertainty of robot and plane,
+/// The candidate nearest by Mahalanobis distance, or when none is near, one that is covered; with the joint uncertainty of robot and plane,
 /// whose seen part overlaps or adjoins the observed one; planes face one side, so that the two
 /// faces of a thin wall stay apart. Several candidates that agree with the observation and with
 /// each other are duplicates, to be merged into the oldest.
