@@ -21,7 +21,7 @@ constexpr std::size_t kWorkWindow = 5;
 /// Difference between cost and model, relative to the cost, that asks for another step.
 constexpr double kNonlinearity = 3e-4;
 /// The same when robust weights have changed: their steps close in on the minimum more slowly.
-constexpr double kNonlinearityOfWeights = 5e-5;
+constexpr double kNonlinearityOfWeights = 2e-4;
 /// Relative rounding error of the sum of squares.
 constexpr double kCostRounding = 1e-12;
 /// More steps than this are better taken with damping.
