@@ -21,7 +21,7 @@ struct CandidateParams {
   double max_distance_m = 2.0;
   double max_height_m = 1.0;
   double min_path_m = 5.0;
-  double spacing_m = 0.0;
+  double spacing_m = 2.0;
   double spacing_s = 0.0;
   int max_candidates = 3;
   double separation_m = 2.0;

@@ -26,8 +26,8 @@ struct KeyframeParams {
   KeyframeMode mode = KeyframeMode::kDynamic;
   KeyframeDeskew deskew = KeyframeDeskew::kNextFrame;
   /// δ_R of Eq. (1), translation and rotation tested separately.
-  double robot_translation_m = 0.75;
-  double robot_rotation_rad = 0.3490658503988659;  // 20°
+  double robot_translation_m = 0.5;
+  double robot_rotation_rad = 0.2617993877991494;  // 15°
   /// δ_E of Eq. (3); also beyond `entity_sigmas` standard deviations of the detection.
   double object_translation_m = 0.30;
   double object_rotation_rad = 0.35;
