@@ -1,6 +1,7 @@
 #include "dynemo/pipeline/frame_refinement.h"
 
 #include "dynemo/core/noise.h"
+#include "dynemo/graph/edge_agent_motion.h"
 #include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
 
@@ -54,6 +55,22 @@ class Chain {
     add(edge, covariance, {});
   }
 
+  /// Frame i keeps its velocity, but for an acceleration [m/s²].
+  void steady(std::size_t i, double sigma_m_s2, const RobustKernel& kernel) {
+    const auto stamp = [this](std::size_t k) {
+      return static_cast<const CNodeKeyframe&>(*delta_.nodes[k]).stamp;
+    };
+    const double before_s = secondsBetween(stamp(i - 1), stamp(i)),
+                 after_s = secondsBetween(stamp(i), stamp(i + 1));
+    if (before_s <= 0.0 || after_s <= 0.0) return;
+    auto edge = std::make_shared<CEdgeAgentVelocity>();
+    edge->nodes = {delta_.nodes[i - 1]->id, delta_.nodes[i]->id, delta_.nodes[i + 1]->id};
+    edge->dt_12_s = before_s;
+    edge->dt_23_s = after_s;
+    const double sigma_m_s = sigma_m_s2 * 0.5 * (before_s + after_s);
+    add(edge, sigma_m_s * sigma_m_s * Matrix3::Identity(), kernel);
+  }
+
   /// The frames [begin, end) of the solution; all as they were where there is none.
   void solve(std::size_t begin, std::size_t end, std::span<FramePose> frames) {
     CSceneGraph graph;
@@ -65,7 +82,7 @@ class Chain {
 
  private:
   template <class Edge>
-  void add(const std::shared_ptr<Edge>& edge, const Matrix6& covariance,
+  void add(const std::shared_ptr<Edge>& edge, const MatrixX& covariance,
            const RobustKernel& kernel) {
     edge->id = {delta_.edges.size()};
     edge->setCovariance(covariance);
@@ -85,7 +102,12 @@ void fields(FieldVisitor& v, FrameRefinementParams& p) {
            "Factor on the standard deviations of their detections: those of successive frames err "
            "alike",
            Range::positive());
-  v.number("kernel_width", p.kernel_width, "Cauchy width of detections in standard deviations",
+  v.optionalNumber("acceleration_sigma_m_s2", p.acceleration_sigma_m_s2,
+                   "And on the robot's inertia: how much its velocity changes in a second; the "
+                   "better the odometry, the less it counts",
+                   Range::positive());
+  v.number("kernel_width", p.kernel_width,
+           "Cauchy width of detections and accelerations in standard deviations",
            Range::positive());
 }
 
@@ -106,8 +128,8 @@ void refineFrames(const CSceneGraph& graph, std::size_t keyframe,
   const std::size_t end = open ? frames.size() : frames.size() - 1;
   const NodeId id = graph.keyframes()[keyframe]->id;
   Chain chain(frames);
-  bool seen = false;
-  for (std::size_t i = 1; i < end; ++i) {
+  bool informed = params.acceleration_sigma_m_s2.has_value() && frames.size() > 2;
+  for (std::size_t i = 1; i < end && params.objects; ++i) {
     for (const ObjectSighting& sighting : measurements[i].objects) {
       const CNodeEntity* place = placeOf(graph, sighting.entity, id);
       if (!place) continue;
@@ -119,16 +141,20 @@ void refineFrames(const CSceneGraph& graph, std::size_t keyframe,
           params.detection_scale * params.detection_scale * sighting.covariance + known->second;
       chain.hold(i, place->T_map_entity() * sighting.T_base_entity.inverse(),
                  A * covariance * A.transpose(), {KernelType::kCauchy, params.kernel_width});
-      seen = true;
+      informed = true;
     }
   }
-  if (!seen) return;
+  if (!informed) return;
   const Matrix6 fixed = isotropicCovariance(kFixed_m, kFixed_rad);
   chain.hold(0, frames[0].T_map_base, fixed);
   if (!open) chain.hold(end, frames[end].T_map_base, fixed);
   for (std::size_t i = 1; i < frames.size(); ++i) {
     chain.link(i, frames[i - 1].T_odom_base.inverse() * frames[i].T_odom_base,
                measurements[i].step_covariance);
+  }
+  if (params.acceleration_sigma_m_s2) {
+    for (std::size_t i = 1; i + 1 < frames.size(); ++i)
+      chain.steady(i, *params.acceleration_sigma_m_s2, {KernelType::kCauchy, params.kernel_width});
   }
   chain.solve(1, end, frames);
 }

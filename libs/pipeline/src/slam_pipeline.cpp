@@ -340,7 +340,7 @@ void SlamPipeline::updateTrajectory() {
 }
 
 void SlamPipeline::refineTrajectory() {
-  if (!params_.trajectory.objects) return;
+  if (!params_.trajectory.objects && !params_.trajectory.acceleration_sigma_m_s2) return;
   for (std::size_t begin = 0; begin < frames_.size();) {
     std::size_t end = begin + 1;
     while (end < frames_.size() && keyframe_of_frame_[end] == keyframe_of_frame_[begin]) ++end;

@@ -16,6 +16,7 @@ class Gap : public testing::Test {
   static constexpr double kStray_m = 0.03;
 
   Gap() {
+    params_.acceleration_sigma_m_s2.reset();
     for (std::size_t i : {std::size_t{0}, kFrames - 1}) {
       auto keyframe = std::make_shared<CNodeKeyframe>();
       keyframe->id = graph_.nextNodeId();
@@ -51,6 +52,15 @@ class Gap : public testing::Test {
     measurements_[i].objects = {
         {{7}, truth(i).inverse() * T_map_box, isotropicCovariance(0.002, 0.01)}};
   }
+  /// No objects; odometry that is right but for a jitter to and fro.
+  void jitter(double size_m, double sigma_m) {
+    for (FrameMeasurements& m : measurements_) m = {isotropicCovariance(sigma_m, 0.002), {}};
+    for (std::size_t i = 1; i + 1 < kFrames; ++i) {
+      const double y_m = i % 2 == 0 ? size_m : -size_m;
+      frames_[i].T_odom_base = frames_[i].T_map_base = Pose3::translation(0, y_m, 0) * truth(i);
+    }
+    params_.acceleration_sigma_m_s2 = 0.5;
+  }
   void refine() { refineFrames(graph_, 0, covariances_, measurements_, params_, frames_); }
   double error(std::size_t i) const { return local(truth(i), frames_[i].T_map_base).norm(); }
 
@@ -73,6 +83,20 @@ TEST_F(Gap, WithoutObjectsNothingMoves) {
   for (FrameMeasurements& m : measurements_) m.objects.clear();
   refine();
   for (std::size_t i = 1; i + 1 < kFrames; ++i) EXPECT_NEAR(error(i), kStray_m, 1e-12);
+}
+
+TEST_F(Gap, InertiaTakesTheJitterOutOfNoisyOdometry) {
+  jitter(0.02, 0.02);
+  refine();
+  for (std::size_t i = 1; i + 1 < kFrames; ++i) EXPECT_LT(error(i), 0.5 * 0.02) << i;
+}
+
+TEST_F(Gap, PreciseOdometryOutweighsInertia) {
+  jitter(0.02, 0.0005);
+  const std::vector<FramePose> before = frames_;
+  refine();
+  for (std::size_t i = 1; i + 1 < kFrames; ++i)
+    EXPECT_LT(local(before[i].T_map_base, frames_[i].T_map_base).norm(), 0.1 * 0.02) << i;
 }
 
 TEST_F(Gap, AnObjectThatWasMovedInBetweenSaysNothing) {

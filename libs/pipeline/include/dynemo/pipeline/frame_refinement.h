@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct FrameRefinementParams {
   bool objects = true;
   /// On the standard deviations of detections: those of one object in successive frames err alike.
   double detection_scale = 2.0;
+  /// Of the robot, from frame to frame; none when empty.
+  std::optional<double> acceleration_sigma_m_s2 = 0.5;
   /// Cauchy, in standard deviations.
   double kernel_width = 3.0;
 };
@@ -41,9 +44,10 @@ std::vector<ObjectSighting> sightingsOf(const std::vector<EntityObservation>& ob
 
 /// Moves T_map_base of the frames that keyframe number `keyframe` is the latest of, the first of
 /// them being the keyframe itself: the maximum a posteriori of their odometry, held by the
-/// keyframes at both ends as the graph has them, and of the detections of objects that stood still
-/// meanwhile. `frames` and `measurements` go on to the next keyframe, where there is one. Without
-/// such detections nothing moves.
+/// keyframes at both ends as the graph has them, of the detections of objects that stood still
+/// meanwhile, and of the robot's inertia: a velocity that is kept but for white accelerations.
+/// `frames` and `measurements` go on to the next keyframe, where there is one. With neither
+/// detections nor inertia nothing moves.
 void refineFrames(const CSceneGraph& graph, std::size_t keyframe,
                   const std::map<NodeId, Matrix6>& entity_covariances,
                   std::span<const FrameMeasurements> measurements,
