@@ -44,7 +44,10 @@ TEST(Ablation, RunsReportsAndContinuesWhereItStopped) {
   const Outcome third = ablation(folder.path());
   ASSERT_EQ(third.status, 0) << describe(third);
   EXPECT_NE(third.out.find("[2/2]"), std::string::npos) << third.out;
-  const auto accuracy = [](const std::string& csv) { return csv.substr(0, csv.rfind(',')); };
+  // Without the last line's two times.
+  const auto accuracy = [](const std::string& csv) {
+    return csv.substr(0, csv.rfind(',', csv.rfind(',') - 1));
+  };
   EXPECT_EQ(accuracy(readBytes(folder / "runs.csv")), accuracy(runs));
 }
 

@@ -65,8 +65,15 @@ struct Outcome {
   }
 };
 
+/// A closure at every keyframe that has one: there is something to vote.
+LoopParams withoutSpacing() {
+  LoopParams params;
+  params.candidates.spacing_m = 0.0;
+  return params;
+}
+
 Outcome run(test::LoopGraph& drive, int keyframes, const TruthMatcher::Lie& lie,
-            const LoopParams& params = {}) {
+            const LoopParams& params = withoutSpacing()) {
   LoopCloser closer(params, std::make_unique<TruthMatcher>(drive, lie));
   for (int i = 0; i < keyframes; ++i) {
     drive.addKeyframe();
@@ -96,7 +103,7 @@ test::LoopGraphParams driftingBy(double factor) {
 
 TEST(LoopCloser, ClosuresTakeTheDriftOut) {
   test::LoopGraph with, without;
-  LoopParams off;
+  LoopParams off = withoutSpacing();
   off.enabled = false;
   const Outcome closed = run(with, 2 * kLap, honest());
   const Outcome open = run(without, 2 * kLap, honest(), off);

@@ -55,11 +55,11 @@ TEST_F(Policy, TheFirstFrameIsAKeyframe) {
 
 TEST_F(Policy, RobotMotionIsTestedByTranslationAndByRotation) {
   addKeyframe(0, Pose3());
-  EXPECT_EQ(decide(1, Pose3::translation(0.70, 0, 0)), 0u);
-  EXPECT_TRUE(has(decide(2, Pose3::translation(0.80, 0, 0)), KeyframeReason::kRobotMoved));
-  EXPECT_EQ(decide(3, Pose3::fromYawPitchRoll(0, 0, 0, 0.34, 0, 0)), 0u);
+  EXPECT_EQ(decide(1, Pose3::translation(0.45, 0, 0)), 0u);
+  EXPECT_TRUE(has(decide(2, Pose3::translation(0.55, 0, 0)), KeyframeReason::kRobotMoved));
+  EXPECT_EQ(decide(3, Pose3::fromYawPitchRoll(0, 0, 0, 0.25, 0, 0)), 0u);
   EXPECT_TRUE(
-      has(decide(4, Pose3::fromYawPitchRoll(0, 0, 0, 0.36, 0, 0)), KeyframeReason::kRobotMoved));
+      has(decide(4, Pose3::fromYawPitchRoll(0, 0, 0, 0.27, 0, 0)), KeyframeReason::kRobotMoved));
 }
 
 TEST_F(Policy, ANewEntityMustBeSeenTwice) {

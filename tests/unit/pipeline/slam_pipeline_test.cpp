@@ -89,6 +89,7 @@ TEST_F(Drive, TheBoxAlsoPlacesTheFramesBetweenKeyframes) {
 TEST_F(Drive, BetweenKeyframesTheCorrectionIsBlendedByTime) {
   DynemoParams params = externalOnly();
   params.trajectory.objects = false;
+  params.trajectory.acceleration_sigma_m_s2.reset();
   drive(params);
   const auto& frames = pipeline_->frames();
   const auto& keyframes = pipeline_->graph().keyframes();
@@ -112,7 +113,9 @@ TEST_F(Drive, BetweenKeyframesTheCorrectionIsBlendedByTime) {
 
 TEST_F(Drive, AfterTheLastKeyframeTheOdometryContinuesFromIt) {
   DynemoParams params = externalOnly();
+  params.keyframes.robot_translation_m = 0.75;
   params.trajectory.objects = false;
+  params.trajectory.acceleration_sigma_m_s2.reset();
   drive(params);
   const CNodeKeyframe& last = *pipeline_->graph().keyframes().back();
   const FramePose& frame = pipeline_->frames().back();

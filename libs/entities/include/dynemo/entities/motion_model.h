@@ -24,9 +24,10 @@ struct MotionParams {
   /// ν as a χ²₆ probability: the squared Mahalanobis norm of the relative pose up to this quantile
   /// is no motion.
   double static_probability = 0.99;
-  /// Smallest displacement that counts as motion, whatever its significance.
+  /// Smallest displacement that counts as motion, whatever its significance: seen from afar and
+  /// aslant, a tag's rotation errs by ten degrees and more, as long as the view stays the same.
   double min_motion_m = 0.10;
-  double min_rotation_rad = 0.12;
+  double min_rotation_rad = 0.26;
 
   double static_sigma_m = 0.005;
   double static_sigma_rad = 0.00873;
