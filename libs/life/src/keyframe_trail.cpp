@@ -10,7 +10,8 @@ namespace {
 /// A radian of heading is as far as this.
 constexpr double kRadian_m = 2.0;
 
-constexpr std::size_t kHooks = 4;
+/// Their errors are largely their own: the mean of many is nearer to the truth than few are.
+constexpr std::size_t kHooks = 8;
 
 /// Those that are likeliest to see the same: near, on the same floor, looking the same way.
 std::vector<const CNodeKeyframe*> nearestTo(const CNodeKeyframe& keyframe,

@@ -7,8 +7,8 @@
 
 #include "dynemo/graph/edge_agent_motion.h"
 #include "dynemo/graph/edge_relative_pose.h"
-#include "information_shares.h"
 #include "local_marginal.h"
+#include "pair_information.h"
 #include "recovered_edge.h"
 
 namespace dynemo {
@@ -20,6 +20,10 @@ using namespace life;
 constexpr double kMaxShift_rad = 0.3;
 /// Relative to the largest eigenvalue, so that an information matrix can be factorised.
 constexpr double kLeastEigenvalue = 1e-9;
+/// More pairs say more, and cost more: of six nodes all, of many a few each.
+constexpr std::size_t kPairsPerNode = 3;
+/// Of what is known of a pair; an edge that would say less is left out.
+constexpr double kLeastShare = 0.01;
 
 bool isMotion(const CSceneGraph& graph, const CEdgeBase& edge) {
   return std::all_of(edge.nodes.begin(), edge.nodes.end(), [&](NodeId node) {
@@ -64,7 +68,7 @@ void rehang(const CSceneGraph& graph, NodeId seen, Departure& departure) {
   if (!tie) return;
   for (const EdgeId id : graph.edgesOf(seen)) {
     const auto* edge = dynamic_cast<const CEdgeIntraEntity*>(graph.edgeSlots()[id.value].get());
-    if (!edge || edge == tie) continue;
+    if (!edge || std::ranges::count(edge->nodes, tie->nodes[0]) > 0) continue;
     auto copy = std::dynamic_pointer_cast<CEdgeBase>(edge->duplicateGetSmartPtr());
     std::replace(copy->nodes.begin(), copy->nodes.end(), seen, tie->nodes[0]);
     std::erase(departure.factors, id);
@@ -158,6 +162,24 @@ void markTree(std::vector<Pair>& pairs, std::size_t nodes) {
   }
 }
 
+/// The pairs of the tree, those that have an edge, and of the others those that share the most, so
+/// many in all. Ascending.
+std::vector<std::size_t> strongest(const std::vector<Pair>& pairs, std::size_t count) {
+  std::vector<std::size_t> order(pairs.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto rank = [&](std::size_t i) {
+    const Pair& p = pairs[i];
+    return std::pair(!p.in_tree && !p.same, -p.mutual_information);
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t i, std::size_t k) { return rank(i) < rank(k); });
+  const auto needed = static_cast<std::size_t>(
+      std::count_if(pairs.begin(), pairs.end(), [](const Pair& p) { return p.in_tree || p.same; }));
+  order.resize(std::min(order.size(), std::max(count, needed)));
+  std::sort(order.begin(), order.end());
+  return order;
+}
+
 PairMeasurement measurementOf(const LocalMarginal& marginal, const Pair& pair) {
   PairMeasurement m;
   m.at_a = marginal.offset(pair.a);
@@ -167,16 +189,13 @@ PairMeasurement measurementOf(const LocalMarginal& marginal, const Pair& pair) {
   m.J = marginal.jacobian(*pair.edge, pair.a, pair.b);
   const MatrixX joint = jointBlock(marginal.covariance(), m.at_a, m.size_a, m.at_b, m.size_b);
   const MatrixX covariance = m.J * joint * m.J.transpose();
-  m.information = Eigen::LLT<MatrixX>(covariance)
-                      .solve(MatrixX::Identity(covariance.rows(), covariance.rows()));
-  m.information = 0.5 * (m.information + m.information.transpose()).eval();
+  m.covariance = 0.5 * (covariance + covariance.transpose());
   return m;
 }
 
 /// Residuals are [translation rotation] of poses, [direction offset] of planes, a height of floors.
-bool isWeak(const MatrixX& information, const LifeParams& params) {
-  const Eigen::Index n = information.rows(), rotations = n == 6 ? 3 : n == 3 ? 2 : 0;
-  const MatrixX covariance = Eigen::LLT<MatrixX>(information).solve(MatrixX::Identity(n, n));
+bool isWeak(const MatrixX& covariance, const LifeParams& params) {
+  const Eigen::Index n = covariance.rows(), rotations = n == 6 ? 3 : n == 3 ? 2 : 0;
   const auto largest = [&](Eigen::Index at, Eigen::Index size) {
     const Eigen::SelfAdjointEigenSolver<MatrixX> eigen(covariance.block(at, at, size, size),
                                                        Eigen::EigenvaluesOnly);
@@ -219,38 +238,34 @@ class Removal {
       add(edge);
     }
     choosePairs();
-    std::vector<bool> used(pairs_.size());
-    for (std::size_t i = 0; i < pairs_.size(); ++i)
-      used[i] = pairs_[i].is_odometry || isWorthKeeping(i);
-    keepTied(used);
-    for (std::size_t i = 0; i < pairs_.size(); ++i)
-      if (used[i]) insert(i);
+    for (std::size_t i = 0; i < pairs_.size(); ++i) insert(i);
     return std::move(delta_);
   }
 
  private:
   void choosePairs() {
-    pairs_ = possiblePairs(graph_, departure_, marginal_);
-    markTree(pairs_, marginal_.nodes().size());
-    std::erase_if(pairs_, [](const Pair& p) { return !p.in_tree && !p.same; });
-    for (const Pair& pair : pairs_) measured_.push_back(measurementOf(marginal_, pair));
-    // Twice what the marginal was given, so that rounding cannot eat it up.
-    shares_ = informationShares(marginal_.information(), measured_, 2.0 * kNextToNothing);
-    for (const PairMeasurement& m : measured_) {
+    std::vector<Pair> possible = possiblePairs(graph_, departure_, marginal_);
+    markTree(possible, marginal_.nodes().size());
+    const std::vector<bool> needed = lastTies(possible);
+    for (const std::size_t i : strongest(possible, kPairsPerNode * marginal_.nodes().size())) {
+      const PairMeasurement m = measurementOf(marginal_, possible[i]);
       VectorX both(m.size_a + m.size_b);
       both << marginal_.mean().segment(m.at_a, m.size_a),
           marginal_.mean().segment(m.at_b, m.size_b);
-      shifts_.push_back(m.J * both);
+      VectorX shift = m.J * both;
+      const bool vague = rotationPart(shift) >= kMaxShift_rad || isWeak(m.covariance, params_);
+      if (vague && !possible[i].is_odometry && !needed[i]) continue;
+      if (rotationPart(shift) >= kMaxShift_rad) shift.setZero();
+      pairs_.push_back(possible[i]);
+      measured_.push_back(m);
+      shifts_.push_back(shift);
     }
+    information_ = pairInformation(marginal_.size(), measured_, kNextToNothing);
   }
 
-  bool isWorthKeeping(std::size_t i) const {
-    return shares_[i] > 0.0 && rotationPart(shifts_[i]) < kMaxShift_rad &&
-           !isWeak(shares_[i] * measured_[i].information, params_);
-  }
-
-  /// A node that would lose its last edge keeps the best of the tree.
-  void keepTied(std::vector<bool>& used) const {
+  /// Of a node that would lose its last edge the best pair of the tree.
+  std::vector<bool> lastTies(const std::vector<Pair>& pairs) const {
+    std::vector<bool> needed(pairs.size(), false);
     const auto& nodes = marginal_.nodes();
     for (std::size_t node = 0; node < nodes.size(); ++node) {
       const auto& edges = graph_.edgesOf(nodes[node]->id);
@@ -260,22 +275,24 @@ class Removal {
       });
       if (tied) continue;
       std::optional<std::size_t> best;
-      bool has_one = false;
-      for (std::size_t i = 0; i < pairs_.size(); ++i) {
-        if (pairs_[i].a != node && pairs_[i].b != node) continue;
-        has_one |= used[i];
-        if (!best || pairs_[i].mutual_information > pairs_[*best].mutual_information) best = i;
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        if (!pairs[i].in_tree || (pairs[i].a != node && pairs[i].b != node)) continue;
+        if (!best || pairs[i].mutual_information > pairs[*best].mutual_information) best = i;
       }
-      if (!has_one && best) used[*best] = true;
+      if (best) needed[*best] = true;
     }
+    return needed;
   }
 
   void insert(std::size_t i) {
     const Pair& pair = pairs_[i];
     const CEdgeBase::Ptr& edge = pair.edge;
-    MatrixX information = std::max(shares_[i], kLeastShare) * measured_[i].information;
+    const MatrixX known = *invertSpd(measured_[i].covariance);
+    const double share = information_[i].cwiseProduct(measured_[i].covariance).sum() /
+                         static_cast<double>(known.rows());
+    if (!pair.in_tree && share < kLeastShare) return;
+    MatrixX information = information_[i] + kNextToNothing * known;
     VectorX shift = shifts_[i];
-    if (rotationPart(shift) >= kMaxShift_rad) shift.setZero();
     if (pair.same) {
       const VectorX other = -residualOf(*pair.same);
       const MatrixX sum = information + pair.same->information();
@@ -304,15 +321,13 @@ class Removal {
     return e;
   }
 
-  static constexpr double kLeastShare = 0.01;
-
   const CSceneGraph& graph_;
   const LifeParams& params_;
   Departure departure_;
   LocalMarginal marginal_;
   std::vector<Pair> pairs_;
   std::vector<PairMeasurement> measured_;
-  std::vector<double> shares_;
+  std::vector<MatrixX> information_;
   std::vector<VectorX> shifts_;
   GraphDelta delta_;
 };

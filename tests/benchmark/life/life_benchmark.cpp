@@ -1,12 +1,14 @@
 // A robot that goes over one floor again and again, with and without a bounded life: time per
 // keyframe, memory, and the error of its whole trajectory. DYNEMO_LIFE_KEYFRAMES sets how long it
 // goes on; "early" is around the tenth part of that, "late" at its end. Without the bounded life
-// only every tenth keyframe is optimised, which is enough for the error.
+// only every tenth keyframe is optimised, which is enough for the error. A line on the standard
+// error tells how far it has come.
 #include <benchmark/benchmark.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
@@ -26,6 +28,8 @@ int keyframes() {
   const char* text = std::getenv("DYNEMO_LIFE_KEYFRAMES");
   return text && *text ? std::atoi(text) : 300;
 }
+
+constexpr int kBetweenLines = 500;
 
 test::WorldParams oneFloor() {
   test::WorldParams params;
@@ -107,6 +111,15 @@ class Run {
   std::vector<double> seconds_, removal_s_;
 };
 
+void tellProgress(const Run& run, int k) {
+  if ((k + 1) % kBetweenLines != 0) return;
+  std::fprintf(stderr,
+               "%6d: %.2f ms (removal %.2f) a keyframe, %.1f MB, %zu keyframes, ATE %.2f mm\n",
+               k + 1, run.mean_ms(k + 1 - kBetweenLines, k + 1),
+               run.meanRemoval_ms(k + 1 - kBetweenLines, k + 1), residentMegabytes(),
+               run.graph().keyframes().size(), 1e3 * run.ate_m());
+}
+
 void revisit(benchmark::State& state, const LifeParams& life) {
   const int n = keyframes(), span = std::min(500, n / 10), early = n / 10;
   for (auto _ : state) {
@@ -115,6 +128,7 @@ void revisit(benchmark::State& state, const LifeParams& life) {
     for (int k = 0; k < n; ++k) {
       run.keyframe();
       if (k + 1 == early) early_mb = residentMegabytes();
+      tellProgress(run, k);
     }
     const double late_mb = residentMegabytes();
     run.finish();

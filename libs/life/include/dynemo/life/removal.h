@@ -8,10 +8,10 @@ namespace dynemo {
 
 /// Takes out a keyframe and the observations of entities made from it. What they say of the nodes
 /// around them, at the present estimates and with the weights of their robust kernels there, goes
-/// into edges between pairs of those: a tree of the pairs that share the most information, and
-/// pairs that have such an edge already (M. Mazuran, W. Burgard and G. D. Tipaldi, "Nonlinear
-/// factor recovery for long-term SLAM", IJRR 2016). Together they claim no more than what they
-/// replace. All are relative, so that loops may still bend the map.
+/// into edges between pairs of those: a tree of the pairs that share the most information, pairs
+/// that have such an edge already, and the best of the others. Together they come as near to what
+/// they replace as pairs can (M. Mazuran, W. Burgard and G. D. Tipaldi, "Nonlinear factor recovery
+/// for long-term SLAM", IJRR 2016). All are relative, so that loops may still bend the map.
 ///
 /// The keyframes before and after it stay tied by odometry, and no node is left without an edge.
 /// Edges between observations of an agent are dropped. Throws std::logic_error for a keyframe that
