@@ -1,5 +1,6 @@
 #include "block_arena.h"
 
+#include <algorithm>
 #include <bit>
 
 namespace dynemo::backend {
@@ -18,6 +19,13 @@ SizeClass sizeClass(std::size_t size) {
   const std::size_t quarter = std::size_t{1} << (exponent - 2);
   const std::size_t q = (size - (std::size_t{1} << exponent) + quarter - 1) / quarter;
   return {4 * (exponent - 5) + static_cast<int>(q), (std::size_t{1} << exponent) + q * quarter};
+}
+
+/// Of the blocks of a class.
+std::size_t sizeOf(int index) {
+  const int exponent = 5 + index / 4;
+  return (std::size_t{1} << exponent) +
+         static_cast<std::size_t>(index % 4) * (std::size_t{1} << (exponent - 2));
 }
 
 }  // namespace
@@ -43,8 +51,15 @@ void BlockArena::release(Block& block) {
 }
 
 void BlockArena::clear() {
+  // Large ones that were in use stand by as they are, so that memory follows the need; the chunks
+  // are cut anew.
+  std::erase_if(large_, [this](const auto& block) {
+    const auto& free = free_[static_cast<std::size_t>(block.first)];
+    const bool unused = std::find(free.begin(), free.end(), block.second.get()) != free.end();
+    if (unused) capacity_ -= sizeOf(block.first);
+    return unused;
+  });
   for (auto& list : free_) list.clear();
-  // Large ones stand by as they are; the chunks are cut anew.
   for (const auto& [size_class, data] : large_) free_[size_class].push_back(data.get());
   current_ = chunk_used_ = 0;
 }

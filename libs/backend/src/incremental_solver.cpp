@@ -45,6 +45,7 @@ void unmark(std::vector<char>& is, std::vector<int>& list) {
 
 void IncrementalSolver::reset() {
   problem_ = LiveProblem();
+  known_edges_ = 0;
   unmark(is_pending_, pending_);
   unmark(is_changed_, changed_);
   unmark(is_cost_, costs_);
@@ -59,9 +60,11 @@ void IncrementalSolver::restart(const CSceneGraph& graph) {
 }
 
 bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const NodeId> moved) {
-  for (std::size_t i = 0; i < problem_.nodeSlots(); ++i) {
-    const int v = problem_.variableOf({i});
-    if (v < 0) continue;
+  bool knows_some = false;
+  for (int v = 0; v < problem_.variables(); ++v) {
+    if (!problem_.alive(v)) continue;
+    knows_some = true;
+    const std::uint64_t i = problem_.node(v)->id.value;
     const bool same = i < graph.nodeSlots().size() && graph.nodeSlots()[i] == problem_.node(v);
     // Another graph, unless the node is merely gone.
     if (!same && (i >= graph.nodeSlots().size() || graph.nodeSlots()[i])) {
@@ -69,6 +72,7 @@ bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const No
       break;
     }
   }
+  if (!knows_some) known_edges_ = 0;
   removeMissing(graph);
   addNew(graph);
   removed_edges_ = graph.nextEdgeId().value - graph.edgeCount();
@@ -109,10 +113,13 @@ void IncrementalSolver::takeState(int v) {
 void IncrementalSolver::touchCost(int f) { mark(is_cost_, costs_, f); }
 
 void IncrementalSolver::removeMissing(const CSceneGraph& graph) {
-  for (std::size_t i = 0; i < problem_.edgeSlots(); ++i) {
-    const int f = problem_.factorOf({i});
-    if (f < 0 || (i < graph.edgeSlots().size() && graph.edgeSlots()[i] == problem_.edge(f)))
-      continue;
+  const auto& slots = graph.edgeSlots();
+  for (int f = 0; f < problem_.factors(); ++f) {
+    if (!problem_.edge(f)) continue;
+    const std::uint64_t i = problem_.edge(f)->id.value;
+    if (i < slots.size() && slots[i] == problem_.edge(f)) continue;
+    // Ids are not used twice in a graph, but another one may have the same.
+    if (i < slots.size() && slots[i]) known_edges_ = 0;
     if (!needs_build_) factor_.tree().removeFactor(problem_, f);
     const auto variables = problem_.variablesOf(f);
     const std::vector<int> ends(variables.begin(), variables.end());
@@ -128,7 +135,8 @@ void IncrementalSolver::removeMissing(const CSceneGraph& graph) {
 void IncrementalSolver::addNew(const CSceneGraph& graph) {
   const int known = problem_.variables();
   std::vector<int> factors;
-  for (std::size_t i = 0; i < graph.edgeSlots().size(); ++i) {
+  // What a bounded life has left behind is not looked at again.
+  for (std::size_t i = known_edges_; i < graph.edgeSlots().size(); ++i) {
     const auto& edge = graph.edgeSlots()[i];
     if (!edge || problem_.factorOf({i}) >= 0) continue;
     for (const NodeId node : edge->nodes) {
@@ -137,6 +145,7 @@ void IncrementalSolver::addNew(const CSceneGraph& graph) {
     factors.push_back(problem_.addFactor(edge));
     touchCost(factors.back());
   }
+  known_edges_ = graph.edgeSlots().size();
   if (factors.empty()) return;
   const int added = problem_.variables() - known;
   const bool mostly_new = added > kRenewalGrowth * known;

@@ -62,6 +62,7 @@ class IncrementalSolver {
   bool step(OptimizationReport& report);
 
   SolverParams params_;
+  std::size_t known_edges_ = 0;    ///< slots of the graph that have been looked at
   std::size_t removed_edges_ = 0;  ///< of the graph, in all its life, when it was last looked at
   CholmodContext context_;
   LiveProblem problem_;
