@@ -131,6 +131,15 @@ int factorizePivots(double* A, int ld, int rows, int pivots) {
 }
 
 DYNEMO_WIDEST_VECTORS
+void forwardSubstitute(const double* L, int ld, int rows, int pivots, double* x) {
+  for (int j = 0; j < pivots; ++j) {
+    const double* const column = at(L, ld, 0, j);
+    const double y = x[j] /= column[j];
+    for (int i = j + 1; i < rows; ++i) x[i] -= y * column[i];
+  }
+}
+
+DYNEMO_WIDEST_VECTORS
 void backSubstitute(const double* L, int ld, int rows, int pivots, const double* x, double* y) {
   for (int j = pivots - 1; j >= 0; --j) {
     const double* const column = at(L, ld, 0, j);

@@ -10,6 +10,9 @@ namespace dynemo::backend {
 /// processor.
 int factorizePivots(double* A, int ld, int rows, int pivots);
 
+/// x ← [y; x₂ − L₂₁ y] with y = L₁₁⁻¹ x₁: the step of a forward substitution.
+void forwardSubstitute(const double* L, int ld, int rows, int pivots, double* x);
+
 /// y ← L₁₁⁻ᵀ (y − L₂₁ᵀ x), L the first `pivots` columns of a front of `rows` rows: the step of a
 /// back substitution.
 void backSubstitute(const double* L, int ld, int rows, int pivots, const double* x, double* y);

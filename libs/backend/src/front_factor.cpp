@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "dense_kernels.h"
 
@@ -10,6 +11,9 @@ namespace {
 
 /// A pivot below this fraction of its diagonal entry is what rounding leaves of zero.
 constexpr double kSingularPivot = 1e-13;
+
+/// Keeps directions that no residual sees from making the damped matrix singular.
+constexpr double kMinScale = 1e-6;
 
 std::size_t square(int n) { return static_cast<std::size_t>(n) * static_cast<std::size_t>(n); }
 /// Entries of the lower triangle of the update matrix with its right-hand side, and of the diagonal
@@ -24,6 +28,14 @@ std::size_t updateSize(int rows) {
 void FrontFactor::build(const LiveProblem& problem, CholmodContext& context) {
   arena_.clear();
   tree_.build(problem, context);
+  recompute_.clear();
+  carried_.assign(static_cast<std::size_t>(problem.tangentSize()), 0.0);
+}
+
+void FrontFactor::build(const LiveProblem& problem, const std::vector<int>& order,
+                        CholmodContext& context) {
+  arena_.clear();
+  tree_.build(problem, order, context);
   recompute_.clear();
   carried_.assign(static_cast<std::size_t>(problem.tangentSize()), 0.0);
 }
@@ -54,8 +66,9 @@ bool FrontFactor::factorizeFront(LiveProblem& problem, int f, const DensePrior& 
   if (prior.information) assemblePrior(problem, front, prior, ld);
   for (int c = front.first_child; c >= 0; c = tree_.front(c).next_sibling)
     assembleChild(problem, tree_.front(c), ld);
+  if (lambda_ > 0.0) damp(problem, front, ld);
   const int bad = factorizePivots(matrix_.data(), ld, ld, front.pivot_size);
-  if (bad >= 0 || !pivotsAreSound(front, ld)) {
+  if (bad >= 0 || (lambda_ == 0.0 && !pivotsAreSound(front, ld))) {
     singular_ = tree_.list(front.pivots).front();
     for (const int v : tree_.list(front.pivots))
       if (bad >= 0 && place_[v] <= bad) singular_ = v;
@@ -162,6 +175,23 @@ void FrontFactor::assembleChild(const LiveProblem& problem, const Front& child, 
     for (int i = 0; i < runs[r].size; ++i) diagonal_[runs[r].to + i] += source[runs[r].from + i];
 }
 
+void FrontFactor::damp(const LiveProblem& problem, const Front& front, int ld) {
+  constexpr int kAxes = 3;
+  scale_.resize(static_cast<std::size_t>(problem.tangentSize()));
+  for (const int v : tree_.list(front.pivots)) {
+    for (int first = 0; first < problem.tangentSize(v); first += kAxes) {
+      const int count = std::min(kAxes, problem.tangentSize(v) - first);
+      double sum = 0.0;
+      for (int i = first; i < first + count; ++i) sum += diagonal_[place_[v] + i];
+      const double scale = std::max(sum / count, kMinScale);
+      for (int i = first; i < first + count; ++i) {
+        scale_[problem.tangentOffset(v) + i] = scale;
+        matrix_[static_cast<std::size_t>(place_[v] + i) * (ld + 1)] += lambda_ * scale;
+      }
+    }
+  }
+}
+
 bool FrontFactor::pivotsAreSound(const Front& front, int ld) const {
   for (int i = 0; i < front.pivot_size; ++i) {
     const double pivot = matrix_[static_cast<std::size_t>(i) * ld + i];
@@ -209,6 +239,36 @@ const std::vector<int>& FrontFactor::solve(LiveProblem& problem, double toleranc
     recompute_[f] = 0;
   }
   return changed_;
+}
+
+void FrontFactor::solve(LiveProblem& problem, const std::vector<double>& gradient) {
+  rest_.resize(gradient.size());
+  std::transform(gradient.begin(), gradient.end(), rest_.begin(), std::negate<>());
+  for (const int f : tree_.ascending()) {
+    Front& front = tree_.front(f);
+    const int p = front.pivot_size, n = p + front.row_size, ld = n + 1;
+    x_.resize(static_cast<std::size_t>(n) + 1);
+    const auto forEach = [&](auto visit) {
+      int at = 0;
+      for (const auto& list : {tree_.list(front.pivots), tree_.list(front.rows)}) {
+        for (const int v : list) {
+          visit(&rest_[problem.tangentOffset(v)], &x_[at], problem.tangentSize(v));
+          at += problem.tangentSize(v);
+        }
+      }
+    };
+    forEach([](const double* rest, double* x, int size) { std::copy_n(rest, size, x); });
+    double* const L = front.panel.data;
+    forwardSubstitute(L, ld, n, p, x_.data());
+    forEach([](double* rest, const double* x, int size) { std::copy_n(x, size, rest); });
+    front.half_squared_y = 0.0;
+    for (int j = 0; j < p; ++j) {
+      L[static_cast<std::size_t>(j) * ld + ld - 1] = x_[j];
+      front.half_squared_y += 0.5 * x_[j] * x_[j];
+    }
+    recompute_[f] = 1;
+  }
+  solve(problem, 0.0);
 }
 
 void FrontFactor::solveFront(LiveProblem& problem, const Front& front, double tolerance) {

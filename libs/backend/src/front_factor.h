@@ -26,12 +26,19 @@ class FrontFactor {
  public:
   /// Orders and lays out the problem anew; nothing is factorised yet.
   void build(const LiveProblem& problem, CholmodContext& context);
+  /// The same in a given order.
+  void build(const LiveProblem& problem, const std::vector<int>& order, CholmodContext& context);
   FrontTree& tree() { return tree_; }
   const FrontTree& tree() const { return tree_; }
 
   /// Factorises what is dirty. Returns the variable where the matrix is singular or indefinite; the
   /// factorisation must then be built anew.
   std::optional<int> factorize(LiveProblem& problem, const DensePrior& prior = {});
+  /// From the next factorize() on, H + λ D, where D is the diagonal of H with the mean of each
+  /// three axes of a pose, which does not depend on how they happen to lie.
+  void setDamping(double lambda) { lambda_ = lambda; }
+  /// D, by tangent entry, of the last factorize() with a damping.
+  const std::vector<double>& scale() const { return scale_; }
   /// Flops and fronts of the last factorize().
   double lastFlops() const { return last_flops_; }
   int lastFronts() const { return last_fronts_; }
@@ -40,6 +47,9 @@ class FrontFactor {
   /// no more than `tolerance` since they were last carried down, nothing is visited. Returns the
   /// variables that moved by more.
   const std::vector<int>& solve(LiveProblem& problem, double tolerance);
+
+  /// The same for all variables with another gradient, and the factorisation as it is.
+  void solve(LiveProblem& problem, const std::vector<double>& gradient);
 
   /// F(x₀) − min of the quadratic model, ½ ‖y‖².
   double modelDecrease() const;
@@ -52,6 +62,7 @@ class FrontFactor {
   void assemblePrior(const LiveProblem& problem, const Front& front, const DensePrior& prior,
                      int ld);
   void assembleChild(const LiveProblem& problem, const Front& child, int ld);
+  void damp(const LiveProblem& problem, const Front& front, int ld);
   bool pivotsAreSound(const Front& front, int ld) const;
   void storeFront(Front& front, int ld);
   void solveFront(LiveProblem& problem, const Front& front, double tolerance);
@@ -63,6 +74,8 @@ class FrontFactor {
   std::vector<int> place_;        ///< per variable, in the front in work
   std::vector<char> recompute_;   ///< per front
   std::vector<int> factorized_;
+  double lambda_ = 0.0;
+  std::vector<double> scale_, rest_;
   std::vector<double> carried_;  ///< δ as the fronts below last saw it
   std::vector<char> moved_;      ///< per variable, in the solution in work
   std::vector<int> changed_, stack_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <stdexcept>
 
 #include "ordering.h"
@@ -75,6 +76,18 @@ std::vector<int> FrontTree::order(const LiveProblem& problem, CholmodContext& co
 }
 
 void FrontTree::build(const LiveProblem& problem, CholmodContext& context) {
+  std::vector<int> hubs;
+  const std::vector<int> elimination = order(problem, context, hubs);
+  build(problem, elimination, hubs, context);
+}
+
+void FrontTree::build(const LiveProblem& problem, const std::vector<int>& elimination,
+                      CholmodContext& context) {
+  build(problem, elimination, {}, context);
+}
+
+void FrontTree::build(const LiveProblem& problem, const std::vector<int>& elimination,
+                      const std::vector<int>& hubs, CholmodContext& context) {
   const int clique = clique_;
   *this = FrontTree();
   clique_ = clique;
@@ -83,8 +96,6 @@ void FrontTree::build(const LiveProblem& problem, CholmodContext& context) {
   position_.assign(n, -1);
   first_owned_.assign(n, -1);
   next_owned_.assign(static_cast<std::size_t>(problem.factors()), -1);
-  std::vector<int> hubs;
-  const std::vector<int> elimination = order(problem, context, hubs);
   if (elimination.empty()) return;
   layOut(problem, elimination, hubs, context);
   for (int f = 0; f < problem.factors(); ++f) {
@@ -210,6 +221,10 @@ void FrontTree::removeVariable(int variable) {
 
 void FrontTree::touch(int variable) { markDirty(front_of_[variable]); }
 
+void FrontTree::touchAll() {
+  for (int f = 0; f < fronts(); ++f) markDirty(f);
+}
+
 void FrontTree::markDirty(int f) {
   if (fronts_[f].dirty) return;
   fronts_[f].dirty = true;
@@ -286,6 +301,14 @@ void FrontTree::store(Front::List& l, const std::vector<int>& values) {
   }
   l.size = static_cast<int>(values.size());
   std::copy(values.begin(), values.end(), pool_.begin() + l.begin);
+}
+
+std::vector<int> FrontTree::ascending() const {
+  std::vector<int> all(fronts_.size());
+  std::iota(all.begin(), all.end(), 0);
+  std::sort(all.begin(), all.end(),
+            [this](int a, int b) { return fronts_[a].key < fronts_[b].key; });
+  return all;
 }
 
 std::vector<int> FrontTree::roots() const {

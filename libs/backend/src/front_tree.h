@@ -45,6 +45,8 @@ class FrontTree {
   /// Orders all variables anew: nested dissection (minimum degree when there are few), with hubs
   /// that the newest factors touch at the end. Every front is dirty then.
   void build(const LiveProblem& problem, CholmodContext& context);
+  /// The same in a given order of all variables.
+  void build(const LiveProblem& problem, const std::vector<int>& order, CholmodContext& context);
   /// Puts the variables at the end of the order, as pivots of fronts of their own.
   void append(const LiveProblem& problem, std::span<const int> variables);
 
@@ -53,6 +55,7 @@ class FrontTree {
   /// Before the problem forgets the factor.
   void removeFactor(const LiveProblem& problem, int factor);
   void touchFactor(const LiveProblem& problem, int factor) { touch(ownerOf(problem, factor)); }
+  void touchAll();
   /// Before the problem forgets the variable, which has no factor any more.
   void removeVariable(int variable);
 
@@ -76,6 +79,8 @@ class FrontTree {
   void forEachOwnedFactor(int variable, Visit visit) const {
     for (int f = first_owned_[variable]; f >= 0; f = next_owned_[f]) visit(f);
   }
+  /// Every front, children first.
+  std::vector<int> ascending() const;
   /// Fronts without parents, ascending.
   std::vector<int> roots() const;
   /// Flops of factorising every front.
@@ -91,6 +96,8 @@ class FrontTree {
   void store(Front::List& list, const std::vector<int>& values);
   std::vector<int> order(const LiveProblem& problem, CholmodContext& context,
                          std::vector<int>& hubs) const;
+  void build(const LiveProblem& problem, const std::vector<int>& order,
+             const std::vector<int>& hubs, CholmodContext& context);
   void layOut(const LiveProblem& problem, const std::vector<int>& order,
               const std::vector<int>& hubs, CholmodContext& context);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "problem.h"
 #include "stopwatch.h"
 
 namespace dynemo::backend {
@@ -16,119 +17,115 @@ constexpr double kFirstRaisedLambda = 1e-4;
 constexpr double kNearlyUndamped = 1e-3;
 /// The old factor stays in use while the predicted decrease falls by this factor from step to step.
 constexpr double kFastContraction = 0.05;
-/// Keeps directions that no residual sees from making the system singular.
-constexpr double kMinScale = 1e-6;
 /// Relative rounding error of the sum of squares.
 constexpr double kCostRounding = 1e-14;
 
-}  // namespace
-
-LevenbergMarquardt::LevenbergMarquardt(const SolverParams& params, const Problem& problem,
-                                       const BlockStructure& structure, SparseFactor& factor,
-                                       OptimizationReport& report)
-    : params_(params),
-      problem_(problem),
-      structure_(structure),
-      factor_(factor),
-      report_(report),
-      scale_(structure.size()),
-      lambda_(params.initial_lambda) {}
-
-void LevenbergMarquardt::run(std::vector<double>& states) {
-  linearizeAt(states);
-  report_.cost_before = report_.cost_after = equations_.cost;
-  if (!std::isfinite(equations_.cost) || !equations_.gradient.allFinite()) return fail(states);
-  while (true) {
-    if (report_.iterations >= params_.max_iterations) return stop(StopReason::kMaxIterations);
-    const Trial trial = tryStep(states);
-    if (done_) return;
-    if (trial == Trial::kAccepted) {
-      linearizeAt(states);
-      if (finishWithOldFactor(states)) return;
-    } else if (!raiseDamping()) {
-      // A finite step that only fails to lower the cost means that the estimate is as good as
-      // rounding allows.
-      if (trial == Trial::kRejected) return stop(StopReason::kNoDecrease);
-      return fail(states);
+/// Σ ρ' JᵀΩe at the linearisation.
+void gradientOf(LiveProblem& problem, std::vector<double>& gradient) {
+  gradient.assign(static_cast<std::size_t>(problem.tangentSize()), 0.0);
+  WhitenedFactor work;
+  for (int f = 0; f < problem.factors(); ++f) {
+    problem.linearize(f, work);
+    const auto variables = problem.variablesOf(f);
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+      double* const g = &gradient[problem.tangentOffset(variables[i])];
+      for (int c = 0; c < work.J[i].cols(); ++c) g[c] += work.J[i].col(c).dot(work.e);
     }
   }
 }
 
-void LevenbergMarquardt::linearizeAt(const std::vector<double>& states) {
-  const PhaseTimer timer(report_.linearize_ms);
-  linearize(problem_, structure_, states, equations_);
-  scaleDamping();
+/// The first factor whose cost at the estimate is not finite, or −1.
+int firstNonFinite(LiveProblem& problem) {
+  for (int f = 0; f < problem.factors(); ++f) {
+    problem.updateCost(f);
+    if (!std::isfinite(problem.cost(f))) return f;
+  }
+  return -1;
 }
 
-void LevenbergMarquardt::scaleDamping() {
-  // One scale for the three axes of a translation and one for those of a rotation: single entries
-  // of the diagonal would make the step depend on how the pose's own axes happen to lie.
-  constexpr int kAxes = 3;
-  for (int v = 0; v < problem_.connectivity().variables(); ++v) {
-    const int begin = structure_.tangentOffset(v),
-              end = begin + problem_.connectivity().tangent_size[v];
-    for (int first = begin; first < end; first += kAxes) {
-      const int count = std::min(kAxes, end - first);
-      double sum = 0.0;
-      for (int i = first; i < first + count; ++i)
-        sum += equations_.hessian[structure_.diagonal()[i]];
-      scale_.segment(first, count).setConstant(std::max(sum / count, kMinScale));
+int costliest(LiveProblem& problem) {
+  int worst = 0;
+  for (int f = 0; f < problem.factors(); ++f) {
+    problem.updateCost(f);
+    if (problem.cost(f) > problem.cost(worst)) worst = f;
+  }
+  return worst;
+}
+
+}  // namespace
+
+void LevenbergMarquardt::run() {
+  cost_ = costHere();
+  report_.cost_before = report_.cost_after = cost_;
+  if (!std::isfinite(cost_)) return fail();
+  while (true) {
+    if (report_.iterations >= params_.max_iterations) return stop(StopReason::kMaxIterations);
+    const Trial trial = tryStep();
+    if (trial != Trial::kAccepted) problem_.discardSteps();
+    if (done_) return;
+    if (trial == Trial::kAccepted) {
+      if (finishWithOldFactor()) return;
+    } else if (!raiseDamping()) {
+      // A finite step that only fails to lower the cost means that the estimate is as good as
+      // rounding allows.
+      if (trial == Trial::kRejected) return stop(StopReason::kNoDecrease);
+      return fail();
     }
   }
 }
 
 bool LevenbergMarquardt::factorizeDamped() {
   const PhaseTimer timer(report_.numeric_ms);
-  const auto& diagonal = structure_.diagonal();
-  VectorX undamped(structure_.size());
-  for (int i = 0; i < structure_.size(); ++i) {
-    double& h = equations_.hessian[diagonal[i]];
-    undamped[i] = h;
-    h += lambda_ * scale_[i];
-  }
-  const auto bad_pivot = factor_.factorize(structure_, equations_.hessian);
-  for (int i = 0; i < structure_.size(); ++i) equations_.hessian[diagonal[i]] = undamped[i];
+  factor_.setDamping(lambda_);
+  factor_.tree().touchAll();
   ++report_.factorizations;
-  failed_pivot_ = bad_pivot.value_or(-1);
-  return !bad_pivot;
+  failed_variable_ = factor_.factorize(problem_);
+  return !failed_variable_ && std::isfinite(factor_.modelDecrease());
 }
 
-void LevenbergMarquardt::solveStep() {
-  const PhaseTimer timer(report_.solve_ms);
-  negative_gradient_ = -equations_.gradient;
-  factor_.solve(negative_gradient_, step_);
-}
-
-LevenbergMarquardt::Trial LevenbergMarquardt::tryStep(std::vector<double>& states) {
-  if (!factorizeDamped()) return Trial::kFailed;
-  solveStep();
-  if (!step_.allFinite()) return Trial::kFailed;
+double LevenbergMarquardt::predictedDecrease() const {
   // F(x) − [F + gᵀd + ½ dᵀHd] with (H + λD) d = −g.
-  predicted_ = 0.5 * step_.dot(lambda_ * scale_.cwiseProduct(step_) - equations_.gradient);
-  const double cost = equations_.cost;
-  const bool at_rounding = predicted_ <= kCostRounding * cost;
-  const bool tiny = step_.lpNorm<Eigen::Infinity>() <= params_.min_step;
-  if (at_rounding || tiny) {
+  const double* const d = problem_.delta(0);
+  double damping = 0.0;
+  for (int i = 0; i < problem_.tangentSize(); ++i) damping += factor_.scale()[i] * d[i] * d[i];
+  return factor_.modelDecrease() + 0.5 * lambda_ * damping;
+}
+
+LevenbergMarquardt::Trial LevenbergMarquardt::tryStep() {
+  if (!factorizeDamped()) return Trial::kFailed;
+  {
+    const PhaseTimer timer(report_.solve_ms);
+    factor_.solve(problem_, 0.0);
+  }
+  double largest = 0.0;
+  for (int i = 0; i < problem_.tangentSize(); ++i) {
+    const double d = std::abs(problem_.delta(0)[i]);
+    if (!std::isfinite(d)) return Trial::kFailed;
+    largest = std::max(largest, d);
+  }
+  predicted_ = predictedDecrease();
+  const bool tiny = largest <= params_.min_step;
+  if (predicted_ <= kCostRounding * cost_ || tiny) {
     done_ = true;
     stop(tiny ? StopReason::kSmallStep : StopReason::kConverged);
     return Trial::kRejected;
   }
-  const double new_cost = tryCost(states);
+  const double new_cost = tryCost();
   if (!std::isfinite(new_cost)) return Trial::kFailed;
-  decrease_ = cost - new_cost;
+  decrease_ = cost_ - new_cost;
   if (decrease_ < 0.0) return Trial::kRejected;
-  accept(states, new_cost);
   lowerDamping(decrease_ / predicted_);
-  if (decrease_ <= params_.min_relative_decrease * cost && lambda_ <= kNearlyUndamped) {
+  if (decrease_ <= params_.min_relative_decrease * cost_ && lambda_ <= kNearlyUndamped) {
     done_ = true;
     stop(StopReason::kConverged);
   }
+  accept(new_cost);
   return Trial::kAccepted;
 }
 
-void LevenbergMarquardt::accept(std::vector<double>& states, double cost) {
-  states.swap(candidate_);
-  report_.cost_after = cost;
+void LevenbergMarquardt::accept(double cost) {
+  for (int v = 0; v < problem_.variables(); ++v) problem_.relinearize(v);
+  cost_ = report_.cost_after = cost;
   ++report_.iterations;
 }
 
@@ -144,50 +141,68 @@ void LevenbergMarquardt::lowerDamping(double gain_ratio) {
   raise_ = 2.0;
 }
 
-double LevenbergMarquardt::tryCost(const std::vector<double>& states) {
-  const PhaseTimer timer(report_.linearize_ms);
-  retract(problem_, structure_, states, step_, candidate_);
-  return evaluateCost(problem_, candidate_);
+double LevenbergMarquardt::costHere() {
+  for (int f = 0; f < problem_.factors(); ++f) problem_.updateCost(f);
+  return problem_.cost();
 }
 
-bool LevenbergMarquardt::finishWithOldFactor(std::vector<double>& states) {
+double LevenbergMarquardt::tryCost() {
+  const PhaseTimer timer(report_.linearize_ms);
+  for (int v = 0; v < problem_.variables(); ++v) problem_.updateEstimate(v);
+  return costHere();
+}
+
+void LevenbergMarquardt::solveAgain() {
+  {
+    const PhaseTimer timer(report_.linearize_ms);
+    gradientOf(problem_, gradient_);
+  }
+  const PhaseTimer timer(report_.solve_ms);
+  factor_.solve(problem_, gradient_);
+}
+
+bool LevenbergMarquardt::finishWithOldFactor() {
   if (lambda_ > kNearlyUndamped || decrease_ < 0.5 * predicted_) return false;
   double last_predicted = predicted_;
   while (report_.iterations < params_.max_iterations) {
-    solveStep();
-    const double predicted = -0.5 * step_.dot(equations_.gradient);
-    const bool last_step = predicted <= params_.min_relative_decrease * equations_.cost;
-    if (!last_step && !(predicted <= kFastContraction * last_predicted)) return false;
-    const double cost = tryCost(states);
-    const bool lower = cost <= equations_.cost;
-    if (lower) accept(states, cost);
+    solveAgain();
+    const double predicted = factor_.modelDecrease();
+    const bool last_step = predicted <= params_.min_relative_decrease * cost_;
+    if (!last_step && !(predicted <= kFastContraction * last_predicted)) break;
+    const double cost = tryCost();
+    const bool lower = cost <= cost_;
+    if (lower) accept(cost);
     if (last_step) {
+      problem_.discardSteps();
       stop(StopReason::kConverged);
       return true;
     }
-    if (!lower) return false;
-    linearizeAt(states);
+    if (!lower) break;
     last_predicted = predicted;
   }
+  problem_.discardSteps();
   return false;
 }
 
-void LevenbergMarquardt::fail(const std::vector<double>& states) {
+void LevenbergMarquardt::fail() {
   stop(StopReason::kNumericalFailure);
-  if (const int f = firstNonFiniteFactor(problem_, states); f >= 0) {
-    report_.message = problem_.describeFactor(f) + " has a cost that is not finite";
-  } else if (!equations_.gradient.allFinite()) {
-    report_.message = problem_.describeFactor(costliestFactor(problem_, states)) +
-                      " is the costliest where the gradient is not finite";
-  } else if (failed_pivot_ >= 0) {
-    report_.message = problem_.describeVariable(structure_.variableAt(failed_pivot_)) +
+  const auto edge = [this](int f) { return describe(*problem_.edge(f)); };
+  if (const int f = firstNonFinite(problem_); f >= 0) {
+    report_.message = edge(f) + " has a cost that is not finite";
+  } else if (!gradientIsFinite()) {
+    report_.message =
+        edge(costliest(problem_)) + " is the costliest where the gradient is not finite";
+  } else if (failed_variable_) {
+    report_.message = describe(*problem_.node(*failed_variable_)) +
                       " makes the normal equations indefinite at every damping";
-  } else if (const int g = firstNonFiniteFactor(problem_, candidate_); g >= 0) {
-    report_.message = "every step makes the cost of " + problem_.describeFactor(g) + " not finite";
   } else {
-    report_.message = "no step could be computed; the costliest is " +
-                      problem_.describeFactor(costliestFactor(problem_, states));
+    report_.message = "no step could be computed; the costliest is " + edge(costliest(problem_));
   }
+}
+
+bool LevenbergMarquardt::gradientIsFinite() {
+  gradientOf(problem_, gradient_);
+  return std::all_of(gradient_.begin(), gradient_.end(), [](double g) { return std::isfinite(g); });
 }
 
 }  // namespace dynemo::backend

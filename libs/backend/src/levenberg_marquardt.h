@@ -1,4 +1,4 @@
-// Levenberg–Marquardt on flat states.
+// Levenberg–Marquardt over all of a problem.
 //
 // A step solves (H + λ D) d = −g, D a positive diagonal. λ starts almost at zero, so that from a
 // warm start the first step is a Gauss–Newton step, and follows the gain ratio (Nielsen, "Damping
@@ -8,51 +8,57 @@
 #pragma once
 
 #include "dynemo/backend/optimizer.h"
-#include "linearize.h"
-#include "sparse_factor.h"
+#include "front_factor.h"
+#include "live_problem.h"
 
 namespace dynemo::backend {
 
 class LevenbergMarquardt {
  public:
-  LevenbergMarquardt(const SolverParams& params, const Problem& problem,
-                     const BlockStructure& structure, SparseFactor& factor,
-                     OptimizationReport& report);
+  /// The factor has been built for the problem.
+  LevenbergMarquardt(const SolverParams& params, LiveProblem& problem, FrontFactor& factor,
+                     OptimizationReport& report)
+      : params_(params),
+        problem_(problem),
+        factor_(factor),
+        report_(report),
+        lambda_(params.initial_lambda) {}
 
-  /// Minimises from `states`, which end at the best estimate found. Fills the report.
-  void run(std::vector<double>& states);
+  /// Minimises from the problem's estimates, which end at the best ones found. Fills the report.
+  void run();
 
  private:
   enum class Trial { kAccepted, kRejected, kFailed };
 
-  void linearizeAt(const std::vector<double>& states);
-  void scaleDamping();
   bool factorizeDamped();
-  void solveStep();
-  Trial tryStep(std::vector<double>& states);
-  void accept(std::vector<double>& states, double cost);
+  /// −½ gᵀd of the undamped model.
+  double predictedDecrease() const;
+  Trial tryStep();
+  void accept(double cost);
   /// Raises λ; false when there is no more room.
   bool raiseDamping();
   void lowerDamping(double gain_ratio);
   /// Steps with the factor of an earlier linearisation; true when they reached the minimum.
-  bool finishWithOldFactor(std::vector<double>& states);
-  /// Cost at states ⊞ step_, which candidate_ holds then.
-  double tryCost(const std::vector<double>& states);
+  bool finishWithOldFactor();
+  /// The step from the gradient at the estimate with the factor as it is.
+  void solveAgain();
+  /// Cost at the estimate.
+  double costHere();
+  /// Cost at the estimate ⊞ step, which becomes the estimate.
+  double tryCost();
+  bool gradientIsFinite();
   void stop(StopReason reason) { report_.stop = reason; }
-  void fail(const std::vector<double>& states);
+  void fail();
 
   const SolverParams& params_;
-  const Problem& problem_;
-  const BlockStructure& structure_;
-  SparseFactor& factor_;
+  LiveProblem& problem_;
+  FrontFactor& factor_;
   OptimizationReport& report_;
 
-  NormalEquations equations_;
-  VectorX scale_, step_, negative_gradient_;
-  std::vector<double> candidate_;
-  double lambda_, raise_ = 2.0;
+  std::vector<double> gradient_;
+  double cost_ = 0.0, lambda_, raise_ = 2.0;
   double predicted_ = 0.0, decrease_ = 0.0;
-  int failed_pivot_ = -1;
+  std::optional<int> failed_variable_;
   bool done_ = false;
 };
 

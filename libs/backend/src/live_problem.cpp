@@ -90,6 +90,11 @@ void LiveProblem::relinearize(int v) {
   std::fill_n(&delta_[tangent_offset_[v]], tangentSize(v), 0.0);
 }
 
+void LiveProblem::discardSteps() {
+  estimate_ = linearization_;
+  std::fill(delta_.begin(), delta_.end(), 0.0);
+}
+
 void LiveProblem::setState(int v, const double* state) {
   std::copy_n(state, nodes_[v]->stateSize(), &estimate_[state_offset_[v]]);
   relinearize(v);

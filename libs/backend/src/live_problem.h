@@ -59,6 +59,8 @@ class LiveProblem {
   void updateEstimate(int variable);
   /// x₀ ← x, δ ← 0.
   void relinearize(int variable);
+  /// x ← x₀, δ ← 0, of all.
+  void discardSteps();
   /// x₀ ← x ← the state, δ ← 0.
   void setState(int variable, const double* state);
 
@@ -71,6 +73,7 @@ class LiveProblem {
   /// Sums over all factors, at x₀ (as far as linearised) and at x.
   double linearizedCost() const;
   double cost() const;
+  double cost(int factor) const { return cost_[factor]; }
 
  private:
   static int at(const std::vector<int>& map, std::uint64_t i) {

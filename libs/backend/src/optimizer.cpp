@@ -26,6 +26,9 @@ struct Optimizer::Impl {
   CholmodContext context;
   KeptOrder kept_order;
   std::optional<Analysis> analysis;
+  /// Of the batch method.
+  Connectivity batch_connectivity;
+  FrontFactor batch_factor;
   IncrementalSolver incremental;
   StateWatch watch;
 
@@ -47,6 +50,20 @@ struct Optimizer::Impl {
     SparseFactor factor(*structure, context);
     analysis.emplace(Analysis{problem.connectivity(), std::move(*structure), std::move(factor)});
     return *analysis;
+  }
+
+  /// The elimination tree of the batch method, the last one when nothing but numbers changed.
+  void layOut(const Problem& problem, const LiveProblem& live, OptimizationReport& report) {
+    if (batch_connectivity == problem.connectivity()) return;
+    std::vector<int> order;
+    {
+      const PhaseTimer timer(report.ordering_ms);
+      Adjacency adjacency = adjacencyOf(problem.connectivity());
+      order = kept_order.update(problem, adjacency, context).order;
+    }
+    const PhaseTimer timer(report.symbolic_ms);
+    batch_factor.build(live, order, context);
+    batch_connectivity = problem.connectivity();
   }
 
   void optimizeInBatch(CSceneGraph& graph, OptimizationReport& report);
@@ -88,13 +105,22 @@ void Optimizer::Impl::optimizeInBatch(CSceneGraph& graph, OptimizationReport& re
     report.stop = StopReason::kNothingToDo;
     return;
   }
-  Analysis& a = analyze(problem, report.ordering_ms, report.symbolic_ms);
-  std::vector<double> states = problem.readStates();
-  LevenbergMarquardt(params, problem, a.structure, a.factor, report).run(states);
-  if (!report.usable() || report.iterations == 0) return;
-  for (int v = 0; v < problem.connectivity().variables(); ++v) {
-    graph.setState(problem.node(v).id, &states[problem.stateOffset(v)]);
+  // Numbered as in the problem.
+  LiveProblem live;
+  for (int v = 0; v < problem.connectivity().variables(); ++v)
+    live.addVariable(graph.nodeSlots()[problem.node(v).id.value]);
+  for (const auto& edge : graph.edgeSlots())
+    if (edge) live.addFactor(edge);
+  const SingleThreaded single_threaded;
+  layOut(problem, live, report);
+  LevenbergMarquardt(params, live, batch_factor, report).run();
+  // Methods that solve in batch now and then need not hold a second factorisation meanwhile.
+  if (params.method != SolverParams::Method::kBatch) {
+    batch_factor = {};
+    batch_connectivity = {};
   }
+  if (!report.usable() || report.iterations == 0) return;
+  for (int v = 0; v < live.variables(); ++v) graph.setState(live.node(v)->id, live.estimate(v));
 }
 
 void Optimizer::Impl::optimizeIncrementally(CSceneGraph& graph, OptimizationReport& report) {

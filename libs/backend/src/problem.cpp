@@ -31,17 +31,17 @@ std::vector<double> Problem::readStates() const {
   return states;
 }
 
-std::string Problem::describeFactor(int factor) const {
-  const CEdgeBase& e = edge(factor);
-  std::string text = std::string(e.kind()) + " edge " + std::to_string(e.id.value) + " (nodes ";
-  for (std::size_t i = 0; i < e.nodes.size(); ++i) {
-    text += (i ? ", " : "") + std::to_string(e.nodes[i].value);
+std::string describe(const CEdgeBase& edge) {
+  std::string text =
+      std::string(edge.kind()) + " edge " + std::to_string(edge.id.value) + " (nodes ";
+  for (std::size_t i = 0; i < edge.nodes.size(); ++i) {
+    text += (i ? ", " : "") + std::to_string(edge.nodes[i].value);
   }
   return text + ")";
 }
 
-std::string Problem::describeVariable(int variable) const {
-  return std::string(node(variable).kind()) + " node " + std::to_string(node(variable).id.value);
+std::string describe(const CNodeBase& node) {
+  return std::string(node.kind()) + " node " + std::to_string(node.id.value);
 }
 
 }  // namespace dynemo::backend

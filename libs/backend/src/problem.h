@@ -28,6 +28,10 @@ struct Connectivity {
   bool operator==(const Connectivity&) const = default;
 };
 
+/// "odometry edge 12 (nodes 3, 4)" and "keyframe node 3", for messages.
+std::string describe(const CEdgeBase& edge);
+std::string describe(const CNodeBase& node);
+
 /// Variables are the graph's nodes that have an edge, ascending by id; factors its edges, ascending
 /// by id. Holds pointers into the graph: valid until the graph changes.
 class Problem {
@@ -48,9 +52,8 @@ class Problem {
   /// All states, one behind the other, from the graph's estimates.
   std::vector<double> readStates() const;
 
-  /// "odometry edge 12 (nodes 3, 4)" and "keyframe node 3", for messages.
-  std::string describeFactor(int factor) const;
-  std::string describeVariable(int variable) const;
+  std::string describeFactor(int factor) const { return describe(edge(factor)); }
+  std::string describeVariable(int variable) const { return describe(node(variable)); }
 
  private:
   Connectivity connectivity_;
