@@ -66,6 +66,8 @@ bool FrontFactor::factorizeFront(LiveProblem& problem, int f, const DensePrior& 
   if (prior.information) assemblePrior(problem, front, prior, ld);
   for (int c = front.first_child; c >= 0; c = tree_.front(c).next_sibling)
     assembleChild(problem, tree_.front(c), ld);
+  for (int c = front.first_child; !keep_updates_ && c >= 0; c = tree_.front(c).next_sibling)
+    arena_.release(tree_.front(c).update);
   if (lambda_ > 0.0) damp(problem, front, ld);
   const int bad = factorizePivots(matrix_.data(), ld, ld, front.pivot_size);
   if (bad >= 0 || (lambda_ == 0.0 && !pivotsAreSound(front, ld))) {

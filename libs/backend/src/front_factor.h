@@ -37,6 +37,9 @@ class FrontFactor {
   /// From the next factorize() on, H + λ D, where D is the diagonal of H with the mean of each
   /// three axes of a pose, which does not depend on how they happen to lie.
   void setDamping(double lambda) { lambda_ = lambda; }
+  /// Whether fronts keep what they leave to their parents, without which every factorize() must be
+  /// of all. True unless told otherwise.
+  void keepUpdates(bool keep) { keep_updates_ = keep; }
   /// D, by tangent entry, of the last factorize() with a damping.
   const std::vector<double>& scale() const { return scale_; }
   /// Flops and fronts of the last factorize().
@@ -75,6 +78,7 @@ class FrontFactor {
   std::vector<char> recompute_;   ///< per front
   std::vector<int> factorized_;
   double lambda_ = 0.0;
+  bool keep_updates_ = true;
   std::vector<double> scale_, rest_;
   std::vector<double> carried_;  ///< δ as the fronts below last saw it
   std::vector<char> moved_;      ///< per variable, in the solution in work

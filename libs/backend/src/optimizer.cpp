@@ -62,6 +62,7 @@ struct Optimizer::Impl {
       order = kept_order.update(problem, adjacency, context).order;
     }
     const PhaseTimer timer(report.symbolic_ms);
+    batch_factor.keepUpdates(false);
     batch_factor.build(live, order, context);
     batch_connectivity = problem.connectivity();
   }

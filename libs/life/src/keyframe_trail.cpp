@@ -9,6 +9,8 @@ namespace {
 
 /// A radian of heading is as far as this.
 constexpr double kRadian_m = 2.0;
+/// A keyframe that came later is as far as this: it is likelier to leave itself.
+constexpr double kLater_m = 4.0;
 
 /// Their errors are largely their own: the mean of many is nearer to the truth than few are.
 constexpr std::size_t kHooks = 8;
@@ -19,8 +21,10 @@ std::vector<const CNodeKeyframe*> nearestTo(const CNodeKeyframe& keyframe,
   std::vector<std::pair<std::pair<bool, double>, const CNodeKeyframe*>> all;
   for (const CNodeKeyframe* other : staying) {
     const Pose3 T = keyframe.T_map_base().inverse() * other->T_map_base();
+    const double later_m = other->id > keyframe.id ? kLater_m : 0.0;
     all.push_back(
-        {{other->floor != keyframe.floor, T.t.norm() + kRadian_m * rotationAngle(T)}, other});
+        {{other->floor != keyframe.floor, T.t.norm() + kRadian_m * rotationAngle(T) + later_m},
+         other});
   }
   std::stable_sort(all.begin(), all.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
