@@ -221,8 +221,9 @@ void IncrementalSolver::updateEstimates(const std::vector<int>& variables) {
 }
 
 bool IncrementalSolver::factorize() {
-  if (needs_build_) return false;
   const SingleThreaded single_threaded;
+  // The next step would want it, too.
+  if (needs_build_) renew();
   needs_build_ = factor_.factorize(problem_).has_value();
   return !needs_build_;
 }

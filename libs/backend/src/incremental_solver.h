@@ -45,8 +45,8 @@ class IncrementalSolver {
   std::size_t tangentSize() const;
   /// Variables whose estimate solve() changed.
   std::span<const int> changed() const { return changed_; }
-  /// Brings the factorisation up to the last synchronisation without a step. False when that takes
-  /// an order of its own or the system is singular.
+  /// Brings the factorisation up to the last synchronisation without a step. False when the system
+  /// is singular.
   bool factorize();
 
  private:
