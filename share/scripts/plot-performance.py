@@ -59,7 +59,7 @@ def map_tables(found):
             rows.append([f"{m}, mean since the first keyframe"] + times(found, f"Map/life/{m}", sizes))
     rows.append(["batch, one step with everything anew"] + times(found, "Map/one_step", sizes))
     rows.append(["batch, from dead reckoning to the minimum"] + times(found, "Map/to_convergence", sizes))
-    rows.append(["covariance of one node, nothing prepared"] + times(found, "Map/marginals_of_one", sizes))
+    rows.append(["covariance of one node"] + times(found, "Map/marginals_of_one", sizes))
     rows.append(["covariances of all nodes"] + times(found, "Map/marginals_of_all", sizes))
     text += table([""] + head, rows)
 
