@@ -75,19 +75,6 @@ int firstNonFiniteFactor(const Problem& problem, const std::vector<double>& stat
   return -1;
 }
 
-int costliestFactor(const Problem& problem, const std::vector<double>& states) {
-  int worst = -1;
-  double worst_cost = -1.0;
-  for (int f = 0; f < problem.connectivity().factors(); ++f) {
-    const double cost = factorCost(problem, f, states);
-    if (cost > worst_cost) {
-      worst = f;
-      worst_cost = cost;
-    }
-  }
-  return worst;
-}
-
 void retract(const Problem& problem, const BlockStructure& structure,
              const std::vector<double>& states, const VectorX& delta, std::vector<double>& out) {
   out.resize(states.size());

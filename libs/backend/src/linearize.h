@@ -27,8 +27,6 @@ void linearize(const Problem& problem, const BlockStructure& structure,
 
 /// The first factor whose cost at the states is not finite, or −1.
 int firstNonFiniteFactor(const Problem& problem, const std::vector<double>& states);
-/// The factor with the largest cost.
-int costliestFactor(const Problem& problem, const std::vector<double>& states);
 
 /// states ⊞ delta, delta in elimination order.
 void retract(const Problem& problem, const BlockStructure& structure,
