@@ -8,15 +8,24 @@ source "$(dirname "${BASH_SOURCE[0]}")/own_display.sh"
 
 # It finds the images only when it is started beside the rawlog.
 cd "$(dirname "$file")"
-RawLogViewer "$(basename "$file")" >"$scratch/viewer.txt" 2>&1 &
-viewer=$!
-pids+=("$viewer")
+open_viewer() {
+  RawLogViewer "$(basename "$file")" >"$scratch/viewer.txt" 2>&1 &
+  viewer=$!
+  pids+=("$viewer")
+}
+open_viewer
+# On a busy machine the viewer may end when its first dialog is closed while it is still opening.
+again=2
 
 # The pane at the lower right of a window of this size.
 pane=860x520+405+325
 for _ in {1..120}; do
   sleep 0.5
-  kill -0 "$viewer" 2>/dev/null || { echo "RawLogViewer has ended"; cat "$scratch/viewer.txt"; exit 1; }
+  if ! kill -0 "$viewer" 2>/dev/null; then
+    ((again-- > 0)) || { echo "RawLogViewer has ended"; cat "$scratch/viewer.txt"; exit 1; }
+    open_viewer
+    continue
+  fi
   for tip in $(xdotool search --name '^Tip of the Day$' 2>/dev/null); do xdotool windowclose "$tip" || true; done
   for window in $(xdotool search --name '^RawlogViewer - Part' 2>/dev/null); do
     xdotool windowmove "$window" 0 0 windowsize "$window" 1270 990 || true
