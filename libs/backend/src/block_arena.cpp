@@ -1,7 +1,10 @@
 #include "block_arena.h"
 
+#include <sys/mman.h>
+
 #include <algorithm>
 #include <bit>
+#include <new>
 
 namespace dynemo::backend {
 namespace {
@@ -28,56 +31,72 @@ std::size_t sizeOf(int index) {
          static_cast<std::size_t>(index % 4) * (std::size_t{1} << (exponent - 2));
 }
 
+/// A free block that is too large by fewer classes than this does as well: fronts that grow leave
+/// blocks behind that no other front fits exactly.
+constexpr int kSlack = 4;
+/// Of the big blocks this part at most, 1 / n, stands by.
+constexpr std::size_t kBigFreeShare = 4;
+
 }  // namespace
+
+void BlockArena::Unmap::operator()(double* data) const { munmap(data, size * sizeof(double)); }
+
+BlockArena::Pages BlockArena::map(std::size_t size) {
+  void* const data = mmap(nullptr, size * sizeof(double), PROT_READ | PROT_WRITE,
+                          MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (data == MAP_FAILED) throw std::bad_alloc();
+  return Pages(static_cast<double*>(data), {size});
+}
 
 void BlockArena::reserve(Block& block, std::size_t size) {
   if (block.data && block.capacity >= size) return;
   release(block);
   const SizeClass c = sizeClass(size);
-  auto& free = free_[c.index];
-  if (free.empty()) {
-    block.data = carve(c.size);
-  } else {
-    block.data = free.back();
-    free.pop_back();
-  }
   block.size_class = c.index;
   block.capacity = c.size;
+  for (int i = c.index; i < c.index + kSlack; ++i) {
+    if (free_[i].empty()) continue;
+    block.data = free_[i].back();
+    block.size_class = i;
+    block.capacity = sizeOf(i);
+    free_[i].pop_back();
+    if (block.capacity > kBig) big_free_ -= block.capacity;
+    return;
+  }
+  if (c.size <= kBig) {
+    block.data = carve(c.size);
+    return;
+  }
+  block.data = big_.emplace_back(map(c.size)).get();
+  big_size_ += c.size;
 }
 
 void BlockArena::release(Block& block) {
-  if (block.data) free_[block.size_class].push_back(block.data);
+  const bool is_big = block.data && block.capacity > kBig;
+  if (is_big && big_free_ + block.capacity > big_size_ / kBigFreeShare) {
+    std::erase_if(big_, [&](const auto& data) { return data.get() == block.data; });
+    big_size_ -= block.capacity;
+  } else if (block.data) {
+    if (is_big) big_free_ += block.capacity;
+    free_[block.size_class].push_back(block.data);
+  }
   block = {};
 }
 
 void BlockArena::clear() {
-  // Large ones that were in use stand by as they are, so that memory follows the need; the chunks
-  // are cut anew.
-  std::erase_if(large_, [this](const auto& block) {
-    const auto& free = free_[static_cast<std::size_t>(block.first)];
-    const bool unused = std::find(free.begin(), free.end(), block.second.get()) != free.end();
-    if (unused) capacity_ -= sizeOf(block.first);
-    return unused;
-  });
+  // As many chunks stay as were in use, so that memory follows the need.
+  chunks_.resize(std::min(chunks_.size(), current_ + 1));
   for (auto& list : free_) list.clear();
-  for (const auto& [size_class, data] : large_) free_[size_class].push_back(data.get());
-  current_ = chunk_used_ = 0;
+  big_.clear();
+  big_size_ = big_free_ = current_ = chunk_used_ = 0;
 }
 
 double* BlockArena::carve(std::size_t size) {
-  if (size > kChunk / 4) {
-    large_.emplace_back(sizeClass(size).index, std::make_unique_for_overwrite<double[]>(size));
-    capacity_ += size;
-    return large_.back().second.get();
-  }
   if (current_ < chunks_.size() && chunk_used_ + size > kChunk) {
     ++current_;
     chunk_used_ = 0;
   }
-  if (current_ == chunks_.size()) {
-    chunks_.push_back(std::make_unique_for_overwrite<double[]>(kChunk));
-    capacity_ += kChunk;
-  }
+  if (current_ == chunks_.size()) chunks_.push_back(map(kChunk));
   double* const data = chunks_[current_].get() + chunk_used_;
   chunk_used_ += size;
   return data;

@@ -10,7 +10,9 @@
 namespace dynemo::backend {
 
 /// Hands out blocks of doubles from large chunks and takes them back for blocks of similar size, so
-/// that a front that is factorised again, or grows a little, needs no allocation.
+/// that a front that is factorised again, or grows a little, needs no allocation. Big blocks are
+/// mapped one by one, and only few of them stand by. All are pages of the system: on the heap they
+/// would leave holes.
 class BlockArena {
  public:
   struct Block {
@@ -28,23 +30,30 @@ class BlockArena {
   void release(Block& block);
   /// Takes back everything; blocks that are still about must be forgotten.
   void clear();
-  /// Doubles in all chunks.
-  std::size_t capacity() const { return capacity_; }
+  /// Doubles in all chunks and big blocks.
+  std::size_t capacity() const { return chunks_.size() * kChunk + big_size_; }
 
  private:
+  struct Unmap {
+    std::size_t size;
+    void operator()(double* data) const;
+  };
+  using Pages = std::unique_ptr<double[], Unmap>;
+
   static constexpr std::size_t kChunk = std::size_t{1} << 18;
+  static constexpr std::size_t kBig = kChunk / 4;
   /// Four classes to every doubling.
   static constexpr int kClasses = 160;
 
+  static Pages map(std::size_t size);
   double* carve(std::size_t size);
 
   /// Of kChunk doubles; those before the current one are in use.
-  std::vector<std::unique_ptr<double[]>> chunks_;
+  std::vector<Pages> chunks_;
   std::size_t current_ = 0, chunk_used_ = 0;
-  /// Of other sizes, by class.
-  std::vector<std::pair<int, std::unique_ptr<double[]>>> large_;
+  std::vector<Pages> big_;
+  std::size_t big_size_ = 0, big_free_ = 0;
   std::array<std::vector<double*>, kClasses> free_;
-  std::size_t capacity_ = 0;
 };
 
 }  // namespace dynemo::backend
