@@ -2,10 +2,25 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
 namespace dynemo::backend {
 
+void StateWatch::compact(const CSceneGraph& graph) {
+  std::size_t end = 0;
+  for (std::size_t i = 0; i + 1 < offset_.size(); ++i) {
+    const std::size_t begin = std::exchange(offset_[i], end);
+    if (i >= graph.nodeSlots().size() || !graph.nodeSlots()[i]) continue;
+    for (std::size_t k = begin; k < offset_[i + 1]; ++k) states_[end++] = states_[k];
+  }
+  offset_.back() = end;
+  states_.resize(end);
+  gone_ = 0;
+}
+
 std::span<const NodeId> StateWatch::moved(const CSceneGraph& graph) {
+  if (2 * gone_ > states_.size()) compact(graph);
+  gone_ = 0;
   moved_.clear();
   const auto& slots = graph.nodeSlots();
   for (std::size_t i = 0; i < slots.size(); ++i) {
@@ -15,7 +30,9 @@ std::span<const NodeId> StateWatch::moved(const CSceneGraph& graph) {
       offset_.push_back(offset_.back() + size);
       states_.resize(offset_.back());
     }
-    // A removed node keeps its place; another kind of node in its slot belongs to another graph.
+    if (size == 0) gone_ += offset_[i + 1] - offset_[i];
+    // A removed node keeps its place for a while; another kind of node in its slot belongs to
+    // another graph.
     if (size == 0 || size != offset_[i + 1] - offset_[i]) continue;
     double* const seen = &states_[offset_[i]];
     if (!known) {

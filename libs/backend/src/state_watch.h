@@ -18,8 +18,11 @@ class StateWatch {
   void record(const CNodeBase& node, const double* state);
 
  private:
+  void compact(const CSceneGraph& graph);
+
   std::vector<std::size_t> offset_ = {0};  ///< by node id; a slot without a state is empty
   std::vector<double> states_, read_;
+  std::size_t gone_ = 0;  ///< of states_, of removed nodes
   std::vector<NodeId> moved_;
 };
 

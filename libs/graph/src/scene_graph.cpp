@@ -120,6 +120,7 @@ void CSceneGraph::removeNode(NodeId id) {
   for (auto& [entity, track] : tracks_) eraseFrom(track);
   std::erase_if(tracks_, [](const auto& track) { return track.second.empty(); });
   nodes_[id.value].reset();
+  std::vector<EdgeId>().swap(edges_of_node_[id.value]);
   --node_count_;
 }
 
