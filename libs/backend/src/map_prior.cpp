@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 
 namespace dynemo::backend {
 
@@ -11,6 +12,8 @@ void MapPrior::reset(const IncrementalSolver& map) {
   columns_.clear();
   inverse_root_.resize(0, 0);
   information_.resize(0, 0);
+  held_information_.resize(0, 0);
+  offset_.assign(static_cast<std::size_t>(map.problem().variables()), -1);
 }
 
 MapPrior::Other MapPrior::other(NodeId node) {
@@ -26,6 +29,26 @@ MapPrior::Other MapPrior::other(NodeId node) {
     at += block.rows();
   }
   return other;
+}
+
+void MapPrior::addHeld(int variable) {
+  const LiveProblem& problem = map_->problem();
+  held_information_.conservativeResizeLike(MatrixX::Zero(size(), size()));
+  std::array<const double*, kMaxEdgeNodes> states{};
+  WhitenedFactor work;
+  problem.forEachFactorOf(variable, [&](int f) {
+    const auto variables = problem.variablesOf(f);
+    for (std::size_t i = 0; i < variables.size(); ++i) states[i] = problem.estimate(variables[i]);
+    whitenedFactor(*problem.edge(f), {states.data(), variables.size()}, work);
+    for (std::size_t a = 0; a < variables.size(); ++a) {
+      for (std::size_t b = 0; b < variables.size(); ++b) {
+        const int i = offset_[variables[a]], j = offset_[variables[b]];
+        if (i < 0 || j < 0 || (variables[a] != variable && variables[b] != variable)) continue;
+        held_information_.block(i, j, work.J[a].cols(), work.J[b].cols()).noalias() +=
+            work.J[a].transpose() * work.J[b];
+      }
+    }
+  });
 }
 
 bool MapPrior::touch(NodeId node) {
@@ -45,6 +68,9 @@ bool MapPrior::touch(NodeId node) {
   inverse_root_.bottomRows(n) = rows;
   information_.conservativeResizeLike(MatrixX::Zero(before + n, before + n));
   information_.noalias() += rows.transpose() * rows;
+  const int v = map_->problem().variableOf(node);
+  offset_[v] = static_cast<int>(before);
+  addHeld(v);
   nodes_.push_back(node);
   columns_.push_back(std::move(added.columns));
   return true;

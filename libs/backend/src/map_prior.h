@@ -22,6 +22,11 @@ class MapPrior {
   const std::vector<NodeId>& nodes() const { return nodes_; }
   int size() const { return static_cast<int>(information_.rows()); }
   const MatrixX& information() const { return information_; }
+  /// Of the touched nodes with all others held: its excess over information() is what holding them
+  /// costs.
+  const MatrixX& heldInformation() const { return held_information_; }
+  /// Of the touched nodes, in order.
+  const std::vector<PathColumns>& columns() const { return columns_; }
 
   /// Another node of the map: its covariances with the touched ones (rows), and with itself.
   struct Other {
@@ -31,12 +36,15 @@ class MapPrior {
   Other other(NodeId node);
 
  private:
+  void addHeld(int variable);
+
   const IncrementalSolver* map_ = nullptr;
   PathTracer tracer_;
   std::vector<NodeId> nodes_;
   std::vector<PathColumns> columns_;
   MatrixX inverse_root_;  ///< C⁻¹
-  MatrixX information_;
+  MatrixX information_, held_information_;
+  std::vector<int> offset_;  ///< in the touched tangents, by variable of the map; −1 elsewhere
 };
 
 }  // namespace dynemo::backend

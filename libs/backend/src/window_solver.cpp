@@ -13,15 +13,22 @@ constexpr int kMaxSteps = 5;
 /// Difference between cost and model, relative to the cost, that asks for another step.
 constexpr double kNonlinearity = 3e-4;
 constexpr double kCostRounding = 1e-9;
+/// Steps up to this are not carried on to the rest of the map [m, rad].
+constexpr double kCarriedAbove = 4e-4;
+/// Nor is anything before it lowers the cost by this share of the map's.
+constexpr double kCarriedCost = 5e-4;
 
 }  // namespace
 
 void WindowSolver::reset(const IncrementalSolver& map, EdgeId edges) {
   prior_.reset(map);
+  follower_.reset(map);
+  map_cost_ = map.problem().cost();
   begin_ = end_ = edges;
   problem_ = LiveProblem();
   touched_states_.clear();
   offset_.resize(0);
+  carried_.resize(0);
   written_.clear();
 }
 
@@ -37,6 +44,8 @@ bool WindowSolver::takeEdges(const CSceneGraph& graph) {
       if (prior_.nodes().size() == before) continue;
       touched_states_.emplace_back(map.estimate(v), map.estimate(v) + map.node(v)->stateSize());
       offset_.conservativeResizeLike(VectorX::Zero(prior_.size()));
+      carried_.conservativeResize(prior_.size());
+      std::copy_n(follower_.step(v), map.tangentSize(v), carried_.end() - map.tangentSize(v));
     }
   }
   end_ = graph.nextEdgeId();
@@ -121,6 +130,14 @@ bool WindowSolver::solve(CSceneGraph& graph, OptimizationReport& report) {
     return true;
   }
   if (!iterate(report)) return false;
+  const PhaseTimer timer(report.solve_ms);
+  write(graph);
+  carryOn(graph);
+  report.stop = StopReason::kConverged;
+  return true;
+}
+
+void WindowSolver::write(CSceneGraph& graph) {
   offset_ += Eigen::Map<const VectorX>(problem_.delta(0), prior_.size());
   for (int v = 0; v < problem_.variables(); ++v) {
     const std::size_t size = static_cast<std::size_t>(problem_.node(v)->stateSize());
@@ -130,8 +147,28 @@ bool WindowSolver::solve(CSceneGraph& graph, OptimizationReport& report) {
     written_.push_back(problem_.node(v)->id);
     graph.setState(written_.back(), problem_.estimate(v));
   }
-  report.stop = StopReason::kConverged;
-  return true;
+}
+
+bool WindowSolver::isBehind() const {
+  const VectorX d = offset_ - carried_;
+  const double excess =
+      0.5 * (d.dot(prior_.heldInformation() * d) - d.dot(prior_.information() * d));
+  return excess > kCarriedCost * map_cost_;
+}
+
+void WindowSolver::carryOn(CSceneGraph& graph) {
+  if (!isBehind()) return;
+  carried_ = offset_;
+  const LiveProblem& map = prior_.map().problem();
+  const VectorX weights = prior_.information() * offset_;
+  for (const int v : follower_.follow(prior_.columns(), weights, kCarriedAbove)) {
+    const CNodeBase& node = *map.node(v);
+    if (problem_.variableOf(node.id) >= 0) continue;
+    state_.resize(static_cast<std::size_t>(node.stateSize()));
+    node.retract(map.estimate(v), follower_.step(v), state_.data());
+    graph.setState(node.id, state_.data());
+    written_.push_back(node.id);
+  }
 }
 
 bool WindowSolver::covariance(const CSceneGraph& graph, std::span<const NodeId> nodes,

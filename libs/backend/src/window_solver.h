@@ -1,11 +1,12 @@
 // The newest nodes, and those of the map that their edges touch, solved exactly: the rest of the
-// map takes part as what it knows about the touched ones.
+// map takes part as what it knows about the touched ones, and follows where they go.
 #pragma once
 
 #include <span>
 #include <vector>
 
 #include "dynemo/backend/optimizer.h"
+#include "map_follower.h"
 #include "map_prior.h"
 
 namespace dynemo::backend {
@@ -16,7 +17,8 @@ class WindowSolver {
   /// reset.
   void reset(const IncrementalSolver& map, EdgeId edges);
 
-  /// Solves what is newer than the map and writes it to the graph, as it does the touched nodes.
+  /// Solves what is newer than the map and writes it to the graph, as it does the touched nodes and
+  /// those of the map that follow them.
   /// False when there is no solution to be had this way; the graph is then as before.
   bool solve(CSceneGraph& graph, OptimizationReport& report);
   /// Nodes that the last solve() wrote.
@@ -34,8 +36,12 @@ class WindowSolver {
   double cost() const;
   double priorCost(const VectorX& offset) const;
   bool iterate(OptimizationReport& report);
+  void write(CSceneGraph& graph);
+  void carryOn(CSceneGraph& graph);
+  bool isBehind() const;
 
   MapPrior prior_;
+  MapFollower follower_;
   CholmodContext context_;
   LiveProblem problem_;
   FrontFactor factor_;
@@ -44,6 +50,9 @@ class WindowSolver {
   /// Of the touched nodes: where they are, and how far from the map's estimate in its tangent.
   std::vector<std::vector<double>> touched_states_;
   VectorX offset_;
+  VectorX carried_;  ///< the same where the rest of the map has followed to
+  double map_cost_ = 0.0;
+  std::vector<double> state_;
   std::vector<NodeId> written_;
 };
 

@@ -110,6 +110,18 @@ TEST(Windowed, MergingDoesNotShakeTheRobot) {
   }
 }
 
+TEST(Windowed, TheRestOfTheMapFollowsBetweenMerges) {
+  Life r(12);
+  for (int k = 0; k < kKeyframes; ++k) {
+    r.grow();
+    if (k < 50 || k % 5 != 4) continue;
+    const double cost = r.graph.totalCost();
+    const auto states = statesOf(r.graph);
+    EXPECT_LT(cost, Optimizer({}).optimizeFully(r.graph).cost_after * 1.001) << "keyframe " << k;
+    restoreStates(r.graph, states);
+  }
+}
+
 TEST(Windowed, ReachesTheMinimumOnceTheWholeMapHasAnswered) {
   for (const bool outliers : {false, true}) {
     Life r(6, windowed(), outliers);
