@@ -109,7 +109,8 @@ Pose3 poseFrom(const ros1::Pose& pose) {
 
 bool hasPointTimes(const ros1::PointCloud& message) {
   for (const auto& field : message.fields)
-    for (const char* name : {"t", "time", "timestamp", "time_stamp", "offset_time"})
+    for (const char* name :
+         {"t", "time", "timestamp", "time_stamp", "offset_time", "time_sec", "time_nsec"})
       if (field.name == name) return true;
   return false;
 }

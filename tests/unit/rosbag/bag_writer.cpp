@@ -44,7 +44,7 @@ BagWriter::~BagWriter() {
 
 void BagWriter::cloud(const std::string& topic, double stamp_s, const std::string& frame,
                       const std::vector<std::array<float, 3>>& points,
-                      const std::vector<float>& intensities) {
+                      const std::vector<float>& intensities, const char* time_field) {
   sensor_msgs::PointCloud2 m;
   if (stamp_s > 0) m.header.stamp = ros::Time(stamp_s);
   m.header.frame_id = frame;
@@ -54,6 +54,7 @@ void BagWriter::cloud(const std::string& topic, double stamp_s, const std::strin
   m.row_step = kPointStep * m.width;
   m.fields = {field("x", 0), field("y", 4), field("z", 8)};
   if (!intensities.empty()) m.fields.push_back(field("intensity", 16));
+  if (time_field) m.fields.push_back(field(time_field, 12));
   m.data.resize(m.row_step, 0xAB);
   for (std::size_t i = 0; i < points.size(); ++i) {
     std::memcpy(&m.data[i * kPointStep], points[i].data(), 12);

@@ -15,10 +15,10 @@ class BagWriter {
   BagWriter(const BagWriter&) = delete;
   BagWriter& operator=(const BagWriter&) = delete;
 
-  /// Points of x y z and, when `intensities` are given, intensity, with unused bytes between.
+  /// Points of x y z and, when given, a time and intensity, with unused bytes between.
   void cloud(const std::string& topic, double stamp_s, const std::string& frame,
-             const std::vector<std::array<float, 3>>& points,
-             const std::vector<float>& intensities);
+             const std::vector<std::array<float, 3>>& points, const std::vector<float>& intensities,
+             const char* time_field = nullptr);
   void image(const std::string& topic, double stamp_s, const std::string& frame,
              const std::string& encoding, std::uint32_t width, std::uint32_t height,
              const std::vector<std::uint8_t>& data);

@@ -73,6 +73,17 @@ TEST_F(Import, CloudsKeepPointsIntensitiesAndStamps) {
   EXPECT_TRUE(warns(report, "robot's origin"));
 }
 
+TEST_F(Import, TimesPerPointAreMissedByWhateverNameTheyHave) {
+  const auto missed = [this](const char* name) {
+    { BagWriter(bag).cloud("/points", 100, "/lidar", {{1, 1, 1}}, {}, name); }
+    fs::remove(folder / "out.rawlog");
+    return warns(import(), "times per point");
+  };
+  for (const char* name : {"t", "time", "timestamp", "offset_time", "time_sec"})
+    EXPECT_TRUE(missed(name)) << name;
+  EXPECT_FALSE(missed(nullptr));
+}
+
 TEST_F(Import, MountingComesFromTf) {
   {
     BagWriter out(bag);
