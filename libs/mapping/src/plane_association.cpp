@@ -199,8 +199,11 @@ PlaneAssociation associatePlanes(const CSceneGraph& graph, const KeyframePredict
       const auto plane = covered(graph, prediction, observation, params);
       result.plane.push_back(plane ? std::optional(plane->plane) : std::nullopt);
       if (plane) {
-        const Vector3 slip_m = plane->offset_m * observation.patch_base.normal;
-        result.slip.topLeftCorner<3, 3>() += slip_m * slip_m.transpose();
+        // Two walls face to face show the same slip, which counts once.
+        auto S = result.slip.topLeftCorner<3, 3>();
+        const Vector3& n = observation.patch_base.normal;
+        const double unexplained_m2 = plane->offset_m * plane->offset_m - n.dot(S * n);
+        if (unexplained_m2 > 0.0) S += unexplained_m2 * n * n.transpose();
       }
       continue;
     }

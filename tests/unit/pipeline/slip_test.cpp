@@ -1,6 +1,10 @@
 // Odometry that slips once and reports nothing of it, in a room with a box.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "dynemo/graph/edge_relative_pose.h"
 #include "frames.h"
 #include "synthetic_world.h"
 
@@ -60,6 +64,17 @@ std::size_t moves(const CSceneGraph& graph) {
       std::count_if(track.begin(), track.end(), [](const auto& node) { return node->moved; }));
 }
 
+/// Largest standard deviation of an odometry edge across the robot's way.
+double widest_m(const CSceneGraph& graph) {
+  double widest = 0.0;
+  for (const auto& edge : graph.edgeSlots()) {
+    if (!dynamic_cast<const CEdgeOdometry*>(edge.get())) continue;
+    const Matrix6 covariance = edge->information().inverse();
+    widest = std::max(widest, std::sqrt(covariance(1, 1)));
+  }
+  return widest;
+}
+
 double error_m(const SlamPipeline& pipeline) {
   const Pose3 expected = truth(0).inverse() * truth(kFrames - 1);
   return (pipeline.frames().back().T_map_base.t - expected.t).norm();
@@ -70,6 +85,7 @@ TEST(Slip, IsSeenByTheWallsAndNotTakenForMotion) {
   EXPECT_EQ(pipeline->graph().planes().size(), 4u);
   EXPECT_EQ(moves(pipeline->graph()), 0u);
   EXPECT_LT(error_m(*pipeline), 0.02);
+  EXPECT_NEAR(widest_m(pipeline->graph()), kSlip_m.y(), 0.03);
 }
 
 TEST(Slip, MakesASecondLayerWhereWallsAreNotAsked) {
@@ -77,6 +93,7 @@ TEST(Slip, MakesASecondLayerWhereWallsAreNotAsked) {
   EXPECT_GT(pipeline->graph().planes().size(), 4u);
   EXPECT_GT(moves(pipeline->graph()), 0u);
   EXPECT_GT(error_m(*pipeline), 0.05);
+  EXPECT_LT(widest_m(pipeline->graph()), 0.02);
 }
 
 }  // namespace
