@@ -84,19 +84,4 @@ void retract(const Problem& problem, const BlockStructure& structure,
   }
 }
 
-VectorX multiply(const BlockStructure& structure, const std::vector<double>& hessian,
-                 const VectorX& x) {
-  const cholmod_sparse A = structure.view(nullptr);
-  const int *begin = static_cast<const int*>(A.p), *row = static_cast<const int*>(A.i);
-  VectorX y = VectorX::Zero(x.size());
-  for (int c = 0; c < structure.size(); ++c) {
-    for (int k = begin[c]; k < begin[c + 1]; ++k) {
-      if (row[k] < c) continue;
-      y[row[k]] += hessian[k] * x[c];
-      if (row[k] > c) y[c] += hessian[k] * x[row[k]];
-    }
-  }
-  return y;
-}
-
 }  // namespace dynemo::backend

@@ -32,8 +32,4 @@ int firstNonFiniteFactor(const Problem& problem, const std::vector<double>& stat
 void retract(const Problem& problem, const BlockStructure& structure,
              const std::vector<double>& states, const VectorX& delta, std::vector<double>& out);
 
-/// H x for the symmetric H.
-VectorX multiply(const BlockStructure& structure, const std::vector<double>& hessian,
-                 const VectorX& x);
-
 }  // namespace dynemo::backend

@@ -17,8 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kCannotStart = 127;
-
 /// A file for what a program prints, removed at the end.
 class ScratchFile {
  public:
@@ -61,7 +59,7 @@ void requireConfiguration(const WorkItem& item, const fs::path& program) {
   const ScratchFile said;
   const ChildExit exit = ChildProcess(command, said.path()).wait();
   if (exit.status == 0) return;
-  if (exit.status == kCannotStart) throw DataError(said.text());
+  if (exit.status == ChildExit::kCannotStart) throw DataError(said.text());
   const std::string why = withoutName(said.text(), program);
   throw ConfigError("setup " + item.setup + ": " +
                     (why.empty() ? program.string() + " does not print its configuration" : why));

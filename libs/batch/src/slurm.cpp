@@ -19,7 +19,6 @@ namespace {
 constexpr std::chrono::milliseconds kPollInterval{100};
 /// A controller that restarts answers nothing for a while.
 constexpr int kMostFailures = 20;
-constexpr int kCannotStart = 127;
 
 struct CommandResult {
   int status = 0;
@@ -111,7 +110,7 @@ SlurmJob submitToSlurm(const std::vector<WorkItem>& items, const RunStore& store
   command.insert(command.end(), params.options.begin(), params.options.end());
   command.push_back((job.folder / "job.sh").string());
   const auto answer = runCommand(command, job.folder / "sbatch.txt");
-  if (answer.status == kCannotStart)
+  if (answer.status == ChildExit::kCannotStart)
     throw DataError(sbatchReason(answer.text) + "; is Slurm installed here?");
   if (answer.status != 0)
     throw DataError("Slurm's sbatch refuses the job: " + sbatchReason(answer.text));

@@ -14,19 +14,18 @@
 namespace dynemo {
 namespace {
 
-constexpr int kCannotStart = 127;
-
 /// Only what is allowed between fork and exec.
 [[noreturn]] void becomeProgram(char* const* arguments, int output, pid_t parent) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(kCannotStart);  // the parent ended before the line above
+  if (::getppid() != parent)
+    ::_exit(ChildExit::kCannotStart);  // the parent ended before the line above
   const int input = ::open("/dev/null", O_RDONLY);
   ::dup2(input, STDIN_FILENO);
   ::dup2(output, STDOUT_FILENO);
   ::dup2(output, STDERR_FILENO);
   ::execvp(arguments[0], arguments);
   ::dprintf(STDERR_FILENO, "%s: cannot be started: %s\n", arguments[0], std::strerror(errno));
-  ::_exit(kCannotStart);
+  ::_exit(ChildExit::kCannotStart);
 }
 
 }  // namespace

@@ -1,19 +1,31 @@
 #include "dynemo/graph/plane_patch.h"
 
+#include <algorithm>
+
 namespace dynemo {
 namespace {
 
-struct Ball {
-  Vector3 center = Vector3::Zero();
-  double radius_m = 0.0;
-};
+/// What is no further than a gap from some of the points.
+class Neighborhood {
+ public:
+  Neighborhood(std::span<const Vector3> points, double gap_m) : points_(points), gap_m_(gap_m) {
+    for (const Vector3& p : points) center_ += p / static_cast<double>(points.size());
+    for (const Vector3& p : points) reach_m_ = std::max(reach_m_, (p - center_).norm());
+    reach_m_ += gap_m;
+  }
+  bool contains(const Vector3& p) const {
+    if ((p - center_).norm() > reach_m_) return false;
+    return std::any_of(points_.begin(), points_.end(),
+                       [&](const Vector3& q) { return (p - q).squaredNorm() <= gap_m_ * gap_m_; });
+  }
 
-Ball ballAround(std::span<const Vector3> points) {
-  Ball ball;
-  for (const Vector3& p : points) ball.center += p / static_cast<double>(points.size());
-  for (const Vector3& p : points) ball.radius_m = std::max(ball.radius_m, (p - ball.center).norm());
-  return ball;
-}
+ private:
+  std::span<const Vector3> points_;
+  double gap_m_;
+  /// A ball around all of it.
+  Vector3 center_ = Vector3::Zero();
+  double reach_m_ = 0.0;
+};
 
 }  // namespace
 
@@ -29,16 +41,13 @@ std::vector<Vector3> cellCenters(const PlanePatch& patch, const Pose3& T) {
 }
 
 bool withinGap(std::span<const Vector3> a, std::span<const Vector3> b, double gap_m) {
-  if (a.empty() || b.empty()) return false;
-  const Ball ball_b = ballAround(b);
-  const double reach_m = ball_b.radius_m + gap_m, gap_m2 = gap_m * gap_m;
-  for (const Vector3& p : a) {
-    if ((p - ball_b.center).norm() > reach_m) continue;
-    for (const Vector3& q : b) {
-      if ((p - q).squaredNorm() <= gap_m2) return true;
-    }
-  }
-  return false;
+  const Neighborhood near_b(b, gap_m);
+  return std::any_of(a.begin(), a.end(), [&](const Vector3& p) { return near_b.contains(p); });
+}
+
+void eraseWithinGap(std::vector<Vector3>& a, std::span<const Vector3> b, double gap_m) {
+  const Neighborhood near_b(b, gap_m);
+  std::erase_if(a, [&](const Vector3& p) { return near_b.contains(p); });
 }
 
 }  // namespace dynemo

@@ -97,22 +97,21 @@ std::vector<Match> matches(const CSceneGraph& graph, const KeyframePrediction& p
   return list;
 }
 
-/// Share of the points that lie where the mapped plane has been seen, up to an offset.
-double coverOf(const CSceneGraph& graph, const CNodePlane& plane, std::span<const Vector3> points,
-               double offset_m) {
+/// Whether enough of the points lie where the mapped plane has been seen, up to an offset; the
+/// latest sightings first.
+bool covers(const CSceneGraph& graph, const CNodePlane& plane, std::vector<Vector3> points,
+            double offset_m, double min_cover) {
   const double reach_m = std::hypot(PlanePatch::kCell_m, offset_m);
-  std::vector<char> covered(points.size(), 0);
-  for (const EdgeId id : graph.edgesOf(plane.id)) {
-    const auto* edge = dynamic_cast<const CEdgeKeyframePlane*>(graph.edgeSlots()[id.value].get());
+  const auto may_be_left =
+      static_cast<std::size_t>((1.0 - min_cover) * static_cast<double>(points.size()));
+  const std::vector<EdgeId>& edges = graph.edgesOf(plane.id);
+  for (auto id = edges.rbegin(); id != edges.rend() && points.size() > may_be_left; ++id) {
+    const auto* edge = dynamic_cast<const CEdgeKeyframePlane*>(graph.edgeSlots()[id->value].get());
     if (!edge) continue;
     const auto& keyframe = graph.getNode<CNodeKeyframe>(edge->nodes[0]);
-    const auto seen = cellCenters(edge->patch_base, keyframe.T_map_base());
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (!covered[i]) covered[i] = withinGap(points.subspan(i, 1), seen, reach_m) ? 1 : 0;
-    }
+    eraseWithinGap(points, cellCenters(edge->patch_base, keyframe.T_map_base()), reach_m);
   }
-  const auto count = std::count(covered.begin(), covered.end(), 1);
-  return static_cast<double>(count) / static_cast<double>(points.size());
+  return points.size() <= may_be_left;
 }
 
 struct CoveredPlane {
@@ -133,7 +132,7 @@ std::optional<CoveredPlane> covered(const CSceneGraph& graph, const KeyframePred
     const double offset_m = std::abs(plane->plane_map.distance(center));
     if (offset_m >= nearest_m || points.empty() || !prediction.knows(plane->id) ||
         !alike(plane->plane_map, observation.patch_base, T, params) ||
-        coverOf(graph, *plane, points, offset_m) < params.min_cover) {
+        !covers(graph, *plane, points, offset_m, params.min_cover)) {
       continue;
     }
     nearest = {plane->id, offset_m};

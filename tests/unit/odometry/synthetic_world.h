@@ -14,6 +14,11 @@ namespace dynemo::test {
 struct Box {
   Pose3 T_world_box;
   Vector3 half_size_m;
+
+  /// Along the world's axes.
+  static Box between(const Vector3& min, const Vector3& max) {
+    return {Pose3::translation(0.5 * (min + max)), 0.5 * (max - min)};
+  }
 };
 
 struct World {

@@ -14,15 +14,12 @@ namespace {
 constexpr int kFrames = 24, kSlipAt = 12;
 const Vector3 kSlip_m(0.0, 0.12, 0.0);
 
-test::Box box(const Vector3& min, const Vector3& max) {
-  return {Pose3::translation(0.5 * (min + max)), 0.5 * (max - min)};
-}
-
 test::World room() {
   test::World world;
-  world.boxes = {box({-5, -4, -0.2}, {5, 4, 0}), box({-5.1, -4, 0}, {-5, 4, 3}),
-                 box({5, -4, 0}, {5.1, 4, 3}), box({-5, -4.1, 0}, {5, -4, 3}),
-                 box({-5, 4, 0}, {5, 4.1, 3})};
+  world.boxes = {
+      test::Box::between({-5, -4, -0.2}, {5, 4, 0}), test::Box::between({-5.1, -4, 0}, {-5, 4, 3}),
+      test::Box::between({5, -4, 0}, {5.1, 4, 3}), test::Box::between({-5, -4.1, 0}, {5, -4, 3}),
+      test::Box::between({-5, 4, 0}, {5, 4.1, 3})};
   return world;
 }
 

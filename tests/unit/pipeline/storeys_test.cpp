@@ -16,32 +16,28 @@ namespace {
 constexpr double kStorey_m = 3.0, kBase_m = 0.5, kWall_m = 0.06;
 constexpr double kPi = 3.14159265358979323846;
 
-test::Box box(const Vector3& min, const Vector3& max) {
-  return {Pose3::translation(0.5 * (min + max)), 0.5 * (max - min)};
-}
-
 /// 14 × 8 m, two storeys of 3 m; a flight of 15 steps from (3, −3) to (3, 1.5) through an opening.
 test::World building() {
   test::World world;
   auto& b = world.boxes;
-  b.push_back(box({-7, -4, -0.2}, {7, 4, 0}));
-  b.push_back(box({-7, -4, 2 * kStorey_m}, {7, 4, 2 * kStorey_m + 0.2}));
+  b.push_back(test::Box::between({-7, -4, -0.2}, {7, 4, 0}));
+  b.push_back(test::Box::between({-7, -4, 2 * kStorey_m}, {7, 4, 2 * kStorey_m + 0.2}));
   // The upper floor, around the opening x 2 … 4, y −3.5 … 1.5.
-  b.push_back(box({-7, -4, kStorey_m - 0.2}, {2, 4, kStorey_m}));
-  b.push_back(box({4, -4, kStorey_m - 0.2}, {7, 4, kStorey_m}));
-  b.push_back(box({2, 1.5, kStorey_m - 0.2}, {4, 4, kStorey_m}));
-  b.push_back(box({2, -4, kStorey_m - 0.2}, {4, -3.5, kStorey_m}));
+  b.push_back(test::Box::between({-7, -4, kStorey_m - 0.2}, {2, 4, kStorey_m}));
+  b.push_back(test::Box::between({4, -4, kStorey_m - 0.2}, {7, 4, kStorey_m}));
+  b.push_back(test::Box::between({2, 1.5, kStorey_m - 0.2}, {4, 4, kStorey_m}));
+  b.push_back(test::Box::between({2, -4, kStorey_m - 0.2}, {4, -3.5, kStorey_m}));
   const double top = 2 * kStorey_m;
-  b.push_back(box({-7 - kWall_m, -4, -0.2}, {-7, 4, top}));
-  b.push_back(box({7, -4, -0.2}, {7 + kWall_m, 4, top}));
-  b.push_back(box({-7, -4 - kWall_m, -0.2}, {7, -4, top}));
-  b.push_back(box({-7, 4, -0.2}, {7, 4 + kWall_m, top}));
+  b.push_back(test::Box::between({-7 - kWall_m, -4, -0.2}, {-7, 4, top}));
+  b.push_back(test::Box::between({7, -4, -0.2}, {7 + kWall_m, 4, top}));
+  b.push_back(test::Box::between({-7, -4 - kWall_m, -0.2}, {7, -4, top}));
+  b.push_back(test::Box::between({-7, 4, -0.2}, {7, 4 + kWall_m, top}));
   // An inner wall of 12 cm on each storey, not at the same place.
-  b.push_back(box({-1.06, -4, 0}, {-0.94, 1, kStorey_m - 0.2}));
-  b.push_back(box({-3.06, -1, kStorey_m}, {-2.94, 4, top}));
+  b.push_back(test::Box::between({-1.06, -4, 0}, {-0.94, 1, kStorey_m - 0.2}));
+  b.push_back(test::Box::between({-3.06, -1, kStorey_m}, {-2.94, 4, top}));
   for (int step = 0; step < 15; ++step) {
     const double y = -3.0 + 0.3 * step;
-    b.push_back(box({2, y, 0}, {4, y + 0.3, 0.2 * (step + 1)}));
+    b.push_back(test::Box::between({2, y, 0}, {4, y + 0.3, 0.2 * (step + 1)}));
   }
   return world;
 }

@@ -11,6 +11,9 @@ namespace dynemo {
 
 /// How a program ended.
 struct ChildExit {
+  /// Status of a program that is not there, as in a shell.
+  static constexpr int kCannotStart = 127;
+
   int status = 0;  ///< exit status, or −1 when a signal ended it
   int signal = 0;
 };
@@ -20,7 +23,7 @@ struct ChildExit {
 class ChildProcess {
  public:
   /// Throws DataError when the file cannot be written. A program that is not there exits with
-  /// status 127, as in a shell, and the file says why.
+  /// kCannotStart, and the file says why.
   ChildProcess(const std::vector<std::string>& command, const std::filesystem::path& output);
   /// Ends the program when it still runs.
   ~ChildProcess();

@@ -30,4 +30,7 @@ std::vector<Vector3> cellCenters(const PlanePatch& patch, const Pose3& T = Pose3
 /// Whether some point of a and some point of b are no further apart than the gap.
 bool withinGap(std::span<const Vector3> a, std::span<const Vector3> b, double gap_m);
 
+/// Takes out the points of a that are no further than the gap from some point of b.
+void eraseWithinGap(std::vector<Vector3>& a, std::span<const Vector3> b, double gap_m);
+
 }  // namespace dynemo
