@@ -221,7 +221,7 @@ void FrontFactor::storeFront(Front& front, int ld) {
 
 const std::vector<int>& FrontFactor::solve(LiveProblem& problem, double tolerance) {
   changed_.clear();
-  moved_.assign(static_cast<std::size_t>(problem.variables()), 0);
+  moved_.assign(static_cast<std::size_t>(problem.variables()), 0.0);
   carried_.resize(static_cast<std::size_t>(problem.tangentSize()), 0.0);
   stack_ = tree_.roots();
   while (!stack_.empty()) {
@@ -230,7 +230,7 @@ const std::vector<int>& FrontFactor::solve(LiveProblem& problem, double toleranc
     const Front& front = tree_.front(f);
     const auto any_moved = [&](const Front::List& l) {
       const auto list = tree_.list(l);
-      return std::any_of(list.begin(), list.end(), [&](int v) { return moved_[v] != 0; });
+      return std::any_of(list.begin(), list.end(), [&](int v) { return moved_[v] != 0.0; });
     };
     const bool rows_moved = any_moved(front.rows);
     if (recompute_[f] || rows_moved) solveFront(problem, front, tolerance);
@@ -254,7 +254,7 @@ void FrontFactor::solve(LiveProblem& problem, const std::vector<double>& gradien
       int at = 0;
       for (const auto& list : {tree_.list(front.pivots), tree_.list(front.rows)}) {
         for (const int v : list) {
-          visit(&rest_[problem.tangentOffset(v)], &x_[at], problem.tangentSize(v));
+          visit(rest_.data() + problem.tangentOffset(v), &x_[at], problem.tangentSize(v));
           at += problem.tangentSize(v);
         }
       }
@@ -288,15 +288,18 @@ void FrontFactor::solveFront(LiveProblem& problem, const Front& front, double to
   at = 0;
   for (const int v : tree_.list(front.pivots)) {
     double* const delta = problem.delta(v);
-    double* const carried = &carried_[problem.tangentOffset(v)];
-    double step = 0.0;
-    for (int i = 0; i < problem.tangentSize(v); ++i) {
-      delta[i] = y_[at++];
-      step = std::max(step, std::abs(delta[i] - carried[i]));
+    double* const carried = carried_.data() + problem.tangentOffset(v);
+    double step = 0.0, deviations = 0.0;
+    for (int i = 0; i < problem.tangentSize(v); ++i, ++at) {
+      delta[i] = y_[at];
+      const double change = std::abs(delta[i] - carried[i]);
+      step = std::max(step, change);
+      // The diagonal of L has the inverse deviation, given what is eliminated later.
+      deviations = std::max(deviations, change * L[static_cast<std::size_t>(at) * ld + at]);
     }
-    if (!(step <= tolerance)) {
+    if (!(deviations <= tolerance)) {
       changed_.push_back(v);
-      moved_[v] = 1;
+      moved_[v] = step;
       std::copy_n(delta, problem.tangentSize(v), carried);
     }
   }

@@ -4,10 +4,12 @@
 // change assembles and eliminates the dirty fronts again, from their own factors and the stored
 // matrices of all their children. The right-hand side −g is one more row of every front, so that
 // the forward substitution comes with the elimination; the sum of squares that it leaves is twice
-// the decrease of the quadratic model.
+// the decrease of the quadratic model. What corrections change of it (live_problem.h) is carried up
+// with the factorisation as it is.
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "block_arena.h"
@@ -46,10 +48,20 @@ class FrontFactor {
   double lastFlops() const { return last_flops_; }
   int lastFronts() const { return last_fronts_; }
 
+  /// Corrects the factors where the estimates are, and the right-hand side with them. Returns the
+  /// decrease that the model then predicts, from the minimum of the model before. Everything must
+  /// be factorised.
+  double correct(LiveProblem& problem, std::span<const int> factors);
+  /// δ is zero at a variable that was linearised anew.
+  void forget(const LiveProblem& problem, int variable);
+
   /// Brings δ up to date, from the roots down, as far as it changes: below variables that moved by
-  /// no more than `tolerance` since they were last carried down, nothing is visited. Returns the
-  /// variables that moved by more.
+  /// no more than `tolerance` standard deviations (given the variables that are eliminated later)
+  /// since they were last carried down, nothing is visited. Returns the variables that moved by
+  /// more.
   const std::vector<int>& solve(LiveProblem& problem, double tolerance);
+  /// Largest entry of the change of a variable's δ in that solution [m, rad]; 0 if not returned.
+  double lastStep(int variable) const { return moved_[variable]; }
 
   /// The same for all variables with another gradient, and the factorisation as it is.
   void solve(LiveProblem& problem, const std::vector<double>& gradient);
@@ -59,6 +71,8 @@ class FrontFactor {
   std::size_t storedDoubles() const { return arena_.capacity(); }
 
  private:
+  void collectPaths(const LiveProblem& problem, std::span<const int> factors);
+  double carryUp(const LiveProblem& problem, int front);
   bool factorizeFront(LiveProblem& problem, int front, const DensePrior& prior);
   void placeRows(const LiveProblem& problem, const Front& front);
   void assembleFactors(LiveProblem& problem, const Front& front, int ld);
@@ -81,9 +95,13 @@ class FrontFactor {
   bool keep_updates_ = true;
   std::vector<double> scale_, rest_;
   std::vector<double> carried_;  ///< δ as the fronts below last saw it
-  std::vector<char> moved_;      ///< per variable, in the solution in work
+  std::vector<double> moved_;    ///< per variable, in the solution in work
   std::vector<int> changed_, stack_;
   std::vector<double> x_, y_;
+  std::vector<std::pair<int, int>> corrected_;   ///< (front, factor), children first
+  std::vector<int> paths_;                       ///< fronts, children first
+  std::vector<char> is_on_path_;                 ///< per front
+  std::vector<std::vector<double>> carried_up_;  ///< per front, what it adds to its parent's side
   double last_flops_ = 0.0;
   int last_fronts_ = 0, singular_ = -1;
 };

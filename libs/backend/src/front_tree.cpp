@@ -232,6 +232,13 @@ void FrontTree::markDirty(int f) {
   std::push_heap(dirty_.begin(), dirty_.end(), std::greater<>());
 }
 
+void FrontTree::dirtyPaths(std::vector<char>& is_on_path) const {
+  is_on_path.assign(fronts_.size(), 0);
+  for (const auto& [key, dirty] : dirty_) {
+    for (int f = dirty; f >= 0 && !is_on_path[f]; f = fronts_[f].parent) is_on_path[f] = 1;
+  }
+}
+
 int FrontTree::nextDirty(const LiveProblem& problem) {
   if (dirty_.empty()) return -1;
   std::pop_heap(dirty_.begin(), dirty_.end(), std::greater<>());

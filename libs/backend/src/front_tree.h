@@ -74,6 +74,12 @@ class FrontTree {
     return variable < static_cast<int>(front_of_.size()) && front_of_[variable] >= 0;
   }
   int position(int variable) const { return position_[variable]; }
+  /// The front that the factor belongs to.
+  int frontOfFactor(const LiveProblem& problem, int factor) const {
+    return front_of_[ownerOf(problem, factor)];
+  }
+  /// Per front, whether it or one below it is dirty.
+  void dirtyPaths(std::vector<char>& is_on_path) const;
   /// Factors of which the variable is the first in the order.
   template <class Visit>
   void forEachOwnedFactor(int variable, Visit visit) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "cholmod_context.h"
@@ -19,14 +20,16 @@ constexpr int kMany = 1000;
 /// Steps over which the present price of one is averaged.
 constexpr std::size_t kWorkWindow = 5;
 /// Difference between cost and model, relative to the cost, that asks for another step.
-constexpr double kNonlinearity = 3e-4;
-/// The same when robust weights have changed: their steps close in on the minimum more slowly.
-constexpr double kNonlinearityOfWeights = 2e-4;
+constexpr double kNonlinearity = 5e-5;
+/// Predicted decrease of the cost by which another step is worth its while.
+constexpr double kWorthwhile = 5e-5;
 /// Relative rounding error of the sum of squares.
 constexpr double kCostRounding = 1e-12;
 /// More steps than this are better taken with damping.
-constexpr int kMaxSteps = 5;
-/// Steps after the first linearise anew what has moved by this fraction of the usual distance.
+constexpr int kMaxSteps = 8;
+/// Corrections that do not leave less than this share of the mismatch give way to linearisations.
+constexpr double kSlowContraction = 0.5;
+/// Steps after the first evaluate anew what has moved by this fraction of the usual distance.
 constexpr double kTighterRelinearization = 0.1;
 
 void mark(std::vector<char>& is, std::vector<int>& list, int i) {
@@ -47,8 +50,10 @@ void IncrementalSolver::reset() {
   problem_ = LiveProblem();
   known_edges_ = 0;
   unmark(is_pending_, pending_);
+  unmark(is_stale_, stale_);
   unmark(is_changed_, changed_);
   unmark(is_cost_, costs_);
+  new_.clear();
   needs_build_ = true;
   mostly_new_ = false;
 }
@@ -82,6 +87,7 @@ bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const No
     state_.resize(static_cast<std::size_t>(problem_.node(v)->stateSize()));
     problem_.node(v)->readState(state_.data());
     problem_.setState(v, state_.data());
+    factor_.forget(problem_, v);
     takeState(v);
   }
   return mostly_new_;
@@ -155,6 +161,7 @@ void IncrementalSolver::addNew(const CSceneGraph& graph) {
   std::vector<int> variables(static_cast<std::size_t>(added));
   std::iota(variables.begin(), variables.end(), known);
   factor_.tree().append(problem_, variables);
+  new_.insert(new_.end(), variables.begin(), variables.end());
   for (const int f : factors) factor_.tree().addFactor(problem_, f);
 }
 
@@ -194,7 +201,10 @@ void IncrementalSolver::renew() {
   for (const auto& [id, f] : edges) fresh.addFactor(problem_.edge(f));
   problem_ = std::move(fresh);
   unmark(is_pending_, pending_);
+  unmark(is_stale_, stale_);
   unmark(is_cost_, costs_);
+  new_.clear();
+  drift_.clear();
   for (int f = 0; f < problem_.factors(); ++f) problem_.updateCost(f);
   factor_.build(problem_, context_);
   needs_build_ = false;
@@ -203,21 +213,60 @@ void IncrementalSolver::renew() {
   renewed_ = true;
 }
 
-void IncrementalSolver::relinearizePending() {
-  for (const int v : pending_) {
-    if (!problem_.alive(v)) continue;
-    problem_.relinearize(v);
-    problem_.forEachFactorOf(v, [this](int f) { factor_.tree().touchFactor(problem_, f); });
-  }
-  unmark(is_pending_, pending_);
+bool IncrementalSolver::isFar(int v) const {
+  const double* d = problem_.delta(v);
+  for (int k = 0; k < problem_.tangentSize(v); ++k)
+    if (std::abs(d[k]) > params_.relinearize_above) return true;
+  return false;
 }
 
-void IncrementalSolver::updateEstimates(const std::vector<int>& variables) {
-  for (const int v : variables) {
-    problem_.updateEstimate(v);
-    mark(is_changed_, changed_, v);
-    problem_.forEachFactorOf(v, [this](int f) { touchCost(f); });
+void IncrementalSolver::correct(int f) {
+  mark(is_correction_, corrections_, f);
+  const bool is_dirty = is_dirty_[factor_.tree().frontOfFactor(problem_, f)] != 0;
+  if (!is_dirty && !problem_.weightIsFarOff(f)) return;
+  problem_.reweigh(f);
+  factor_.tree().touchFactor(problem_, f);
+}
+
+void IncrementalSolver::relinearize(int v) {
+  problem_.relinearize(v);
+  factor_.forget(problem_, v);
+  problem_.forEachFactorOf(v, [this](int f) { factor_.tree().touchFactor(problem_, f); });
+}
+
+void IncrementalSolver::attendToPending() {
+  factor_.tree().dirtyPaths(is_dirty_);
+  drift_.resize(static_cast<std::size_t>(problem_.variables()), 0.0);
+  for (const int v : pending_) {
+    if (!problem_.alive(v)) continue;
+    drift_[v] = 0.0;
+    if (insists_ || isFar(v)) {
+      relinearize(v);
+    } else {
+      problem_.forEachFactorOf(v, [this](int f) { correct(f); });
+    }
   }
+  for (const int f : stale_) {
+    if (problem_.edge(f)) correct(f);
+  }
+  unmark(is_pending_, pending_);
+  unmark(is_stale_, stale_);
+  insists_ = false;
+}
+
+void IncrementalSolver::takeStep(int v) {
+  problem_.updateEstimate(v);
+  mark(is_changed_, changed_, v);
+  problem_.forEachFactorOf(v, [this](int f) { touchCost(f); });
+}
+
+void IncrementalSolver::updateCosts() {
+  for (const int f : costs_) {
+    if (!problem_.edge(f)) continue;
+    problem_.updateCost(f);
+    if (problem_.weightIsStale(f)) mark(is_stale_, stale_, f);
+  }
+  unmark(is_cost_, costs_);
 }
 
 bool IncrementalSolver::factorize() {
@@ -228,26 +277,40 @@ bool IncrementalSolver::factorize() {
   return !needs_build_;
 }
 
-bool IncrementalSolver::step(OptimizationReport& report) {
+bool IncrementalSolver::updateModel(OptimizationReport& report) {
   {
     const PhaseTimer timer(report.numeric_ms);
-    relinearizePending();
+    attendToPending();
     if (factor_.factorize(problem_)) return false;
   }
-  ++report.factorizations;
+  if (factor_.lastFronts() > 0) ++report.factorizations;
+  const PhaseTimer timer(report.solve_ms);
+  for (const int f : corrections_) {
+    for (const int v : problem_.variablesOf(f)) {
+      if (!problem_.estimateIsUpToDate(v)) takeStep(v);
+    }
+  }
+  updateCosts();
+  factor_.correct(problem_, corrections_);
+  unmark(is_correction_, corrections_);
+  return true;
+}
+
+double IncrementalSolver::neglectedDeviations() const {
+  return std::sqrt(2.0 * params_.neglected_share * problem_.cost() / problem_.tangentSize());
+}
+
+void IncrementalSolver::step(OptimizationReport& report) {
   {
     const PhaseTimer timer(report.solve_ms);
-    updateEstimates(factor_.solve(problem_, params_.propagate_above));
+    for (const int v : factor_.solve(problem_, neglectedDeviations())) {
+      drift_[v] += factor_.lastStep(v);
+      takeStep(v);
+    }
   }
   const PhaseTimer timer(report.linearize_ms);
-  for (const int f : costs_) {
-    if (!problem_.edge(f)) continue;
-    problem_.updateCost(f);
-    if (!problem_.weightIsStale(f)) continue;
-    for (const int v : problem_.variablesOf(f)) mark(is_pending_, pending_, v);
-  }
-  unmark(is_cost_, costs_);
-  return true;
+  updateCosts();
+  ++report.iterations;
 }
 
 void IncrementalSolver::prepare(OptimizationReport& report) {
@@ -259,35 +322,35 @@ void IncrementalSolver::prepare(OptimizationReport& report) {
 bool IncrementalSolver::solve(OptimizationReport& report) {
   const SingleThreaded single_threaded;
   unmark(is_changed_, changed_);
+  if (!needs_build_) start_.run(problem_, new_);
+  new_.clear();
   prepare(report);
-  for (const int f : costs_) {
-    if (problem_.edge(f)) problem_.updateCost(f);
-  }
-  unmark(is_cost_, costs_);
+  updateCosts();
   report.cost_before = report.cost_after = problem_.cost();
   if (!std::isfinite(report.cost_before)) return false;
 
-  double work = 0.0;
+  double work = 0.0, last_mismatch = std::numeric_limits<double>::infinity();
   for (int i = 0;; ++i) {
-    if (i == kMaxSteps) return false;
-    if (!step(report)) return false;
+    if (!updateModel(report)) return false;
     work += factor_.lastFlops();
-    const double cost = problem_.cost(),
-                 model = problem_.linearizedCost() - factor_.modelDecrease();
+    const double model = problem_.linearizedCost() - factor_.modelDecrease();
+    // Nothing to be gained by it: what has changed of the model waits for the next call.
+    report.cost_after = problem_.cost();
+    if (i > 0 && std::abs(report.cost_after - model) <= kWorthwhile * report.cost_after) break;
+    if (i == kMaxSteps) return false;
+    step(report);
+    const double cost = problem_.cost();
     if (!std::isfinite(cost)) return false;
-    ++report.iterations;
-    report.cost_after = cost;
     const double mismatch = std::abs(cost - model);
-    const double tolerance = pending_.empty() ? kNonlinearity : kNonlinearityOfWeights;
+    insists_ = cost > report.cost_after || mismatch > kSlowContraction * last_mismatch;
+    report.cost_after = cost;
+    last_mismatch = mismatch;
     const double limit = params_.relinearize_above * (i == 0 ? 1.0 : kTighterRelinearization);
-    for (const int v : changed_) {
-      const double* d = problem_.delta(v);
-      for (int k = 0; k < problem_.tangentSize(v); ++k)
-        if (std::abs(d[k]) > limit) mark(is_pending_, pending_, v);
-    }
-    const bool good =
-        mismatch <= tolerance * cost && cost <= report.cost_before * (1.0 + kCostRounding);
-    if (good || pending_.empty()) break;
+    for (const int v : changed_)
+      if (insists_ || drift_[v] > limit) mark(is_pending_, pending_, v);
+    if (mismatch <= kNonlinearity * cost && cost <= report.cost_before * (1.0 + kCostRounding))
+      break;
+    if (pending_.empty() && stale_.empty()) break;
   }
   if (report.cost_after > report.cost_before * (1.0 + kCostRounding) + kCostRounding) return false;
   if (renewed_) {

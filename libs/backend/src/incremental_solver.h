@@ -2,10 +2,13 @@
 // and solved again.
 //
 // The normal equations are those of the linearisation points x₀, and the estimate is x₀ ⊞ δ with
-// the minimiser δ. A variable whose δ has grown beyond `relinearize_above` moves its x₀ there,
-// which dirties the fronts of its factors. When the true cost differs from the quadratic model's,
-// another step follows at once. The elimination order is renewed, and everything linearised anew,
-// when the steps since the last renewal have become dear enough to pay for it.
+// the minimiser δ. The factors of a variable that has moved by more than `relinearize_above`, and
+// those whose robust weights have changed, are evaluated anew: as a correction of the gradient,
+// which costs a substitution along their paths; as a new linearisation, which dirties their fronts,
+// where these are dirty anyhow, where the Hessian has become another, or where corrections do not
+// close in on the minimum. When the true cost differs from the quadratic model's, another step
+// follows at once. The elimination order is renewed, and everything linearised anew, when the steps
+// since the last renewal have become dear enough to pay for it.
 #pragma once
 
 #include <span>
@@ -14,12 +17,13 @@
 #include "dynemo/backend/optimizer.h"
 #include "front_factor.h"
 #include "live_problem.h"
+#include "local_start.h"
 
 namespace dynemo::backend {
 
 class IncrementalSolver {
  public:
-  explicit IncrementalSolver(const SolverParams& params) : params_(params) {}
+  explicit IncrementalSolver(const SolverParams& params) : params_(params), start_(params) {}
 
   /// Takes over nodes and edges that came and went, and the current estimates of the nodes in
   /// `moved`, which somebody else has changed. Reads the graph; solve() does not. True when most of
@@ -56,10 +60,18 @@ class IncrementalSolver {
   void takeState(int variable);
   bool renewalIsDue() const;
   void renew();
-  void relinearizePending();
-  void updateEstimates(const std::vector<int>& variables);
+  void attendToPending();
+  bool isFar(int variable) const;
+  void correct(int factor);
+  void relinearize(int variable);
+  void takeStep(int variable);
   void touchCost(int factor);
-  bool step(OptimizationReport& report);
+  void updateCosts();
+  /// Brings model and factorisation up to what has changed; false when they break down.
+  bool updateModel(OptimizationReport& report);
+  double neglectedDeviations() const;
+  /// Goes to the model's minimum.
+  void step(OptimizationReport& report);
 
   SolverParams params_;
   std::size_t known_edges_ = 0;    ///< slots of the graph that have been looked at
@@ -67,12 +79,17 @@ class IncrementalSolver {
   CholmodContext context_;
   LiveProblem problem_;
   FrontFactor factor_;
+  LocalStart start_;
+  std::vector<int> new_;  ///< variables that no step has seen
   bool needs_build_ = true, renewed_ = false, mostly_new_ = false;
 
-  std::vector<int> pending_;      ///< variables to relinearise
-  std::vector<char> is_pending_;  ///< per variable
-  std::vector<int> changed_, costs_;
-  std::vector<char> is_changed_, is_cost_;
+  std::vector<int> pending_, stale_;  ///< variables, factors that want to be evaluated anew
+  std::vector<char> is_pending_, is_stale_;
+  bool insists_ = false;       ///< on new linearisations of all that is pending
+  std::vector<double> drift_;  ///< per variable, way since its factors were evaluated [m, rad]
+  std::vector<int> changed_, costs_, corrections_;
+  std::vector<char> is_changed_, is_cost_, is_correction_;
+  std::vector<char> is_dirty_;  ///< per front
   std::vector<double> state_;
 
   // Work since the order was renewed [flop].

@@ -28,8 +28,9 @@ void gradientOf(LiveProblem& problem, std::vector<double>& gradient) {
     problem.linearize(f, work);
     const auto variables = problem.variablesOf(f);
     for (std::size_t i = 0; i < variables.size(); ++i) {
-      double* const g = &gradient[problem.tangentOffset(variables[i])];
-      for (int c = 0; c < work.J[i].cols(); ++c) g[c] += work.J[i].col(c).dot(work.e);
+      double* const g = gradient.data() + problem.tangentOffset(variables[i]);
+      for (int c = 0; c < problem.tangentSize(variables[i]); ++c)
+        g[c] += work.J[i].col(c).dot(work.e);
     }
   }
 }

@@ -9,6 +9,8 @@ namespace {
 
 /// Change of a robust weight that asks for a new linearisation.
 constexpr float kStaleWeight = 0.03F;
+/// And the share of the larger weight that asks for another Hessian.
+constexpr float kFarOffWeight = 0.5F;
 
 void put(std::vector<int>& map, std::uint64_t i, int value) {
   if (i >= map.size()) map.resize(i + 1, -1);
@@ -31,6 +33,7 @@ int LiveProblem::addVariable(const CNodeBase::Ptr& node, const double* state, bo
                         estimate_.end());
   tangent_offset_.push_back(tangent_offset_.back() + (constant ? 0 : node->tangentSize()));
   delta_.resize(static_cast<std::size_t>(tangent_offset_.back()), 0.0);
+  evaluated_.resize(delta_.size(), 0.0);
   first_incidence_.push_back(-1);
   degree_.push_back(0);
   return v;
@@ -57,6 +60,9 @@ int LiveProblem::addFactor(const CEdgeBase::Ptr& edge) {
   linearized_weight_.push_back(1.0F);
   cost_.push_back(0.0);
   weight_.push_back(1.0F);
+  correction_.push_back(-1);
+  correction_weight_.push_back(1.0F);
+  held_weight_.push_back(-1.0F);
   return f;
 }
 
@@ -68,6 +74,7 @@ void LiveProblem::removeFactor(int factor) {
     *link = next_incidence_[*link];
     --degree_[v];
   }
+  evaluateAnew(factor);
   factor_of_edge_[edges_[factor]->id.value] = -1;
   edges_[factor].reset();
   factor_size_[factor] = 0;
@@ -80,19 +87,28 @@ void LiveProblem::removeVariable(int variable) {
 }
 
 void LiveProblem::updateEstimate(int v) {
-  nodes_[v]->retract(&linearization_[state_offset_[v]], &delta_[tangent_offset_[v]],
-                     &estimate_[state_offset_[v]]);
+  if (tangentSize(v) == 0) return;  // a constant
+  nodes_[v]->retract(&linearization_[state_offset_[v]], delta(v), &estimate_[state_offset_[v]]);
+  std::copy_n(delta(v), tangentSize(v), evaluated_.data() + tangent_offset_[v]);
+}
+
+bool LiveProblem::estimateIsUpToDate(int v) const {
+  return std::equal(delta(v), delta(v) + tangentSize(v), evaluated_.data() + tangent_offset_[v]);
 }
 
 void LiveProblem::relinearize(int v) {
   const auto n = static_cast<std::size_t>(nodes_[v]->stateSize());
   std::copy_n(&estimate_[state_offset_[v]], n, &linearization_[state_offset_[v]]);
-  std::fill_n(&delta_[tangent_offset_[v]], tangentSize(v), 0.0);
+  std::fill_n(delta(v), tangentSize(v), 0.0);
+  std::fill_n(evaluated_.data() + tangent_offset_[v], tangentSize(v), 0.0);
+  if (corrections_.size() > free_corrections_.size())
+    forEachFactorOf(v, [this](int f) { evaluateAnew(f); });
 }
 
 void LiveProblem::discardSteps() {
   estimate_ = linearization_;
   std::fill(delta_.begin(), delta_.end(), 0.0);
+  std::fill(evaluated_.begin(), evaluated_.end(), 0.0);
 }
 
 void LiveProblem::setState(int v, const double* state) {
@@ -109,10 +125,16 @@ std::span<const double* const> LiveProblem::pointers(int factor,
 }
 
 double LiveProblem::linearize(int factor, WhitenedFactor& out) {
-  double weight = 1.0;
-  linearized_cost_[factor] =
-      whitenedFactor(*edges_[factor], pointers(factor, linearization_), out, &weight);
+  double weight = held_weight_[factor];
+  const auto states = pointers(factor, linearization_);
+  const double cost = weight < 0.0 ? whitenedFactor(*edges_[factor], states, out, &weight)
+                                   : whitenedFactor(*edges_[factor], states, weight, out);
   linearized_weight_[factor] = static_cast<float>(weight);
+  if (correction_[factor] < 0) {
+    linearized_cost_[factor] = cost;
+  } else {
+    out.e += corrections_[correction_[factor]];
+  }
   return linearized_cost_[factor];
 }
 
@@ -123,7 +145,53 @@ void LiveProblem::updateCost(int factor) {
 }
 
 bool LiveProblem::weightIsStale(int factor) const {
-  return std::abs(weight_[factor] - linearized_weight_[factor]) > kStaleWeight;
+  const float known =
+      correction_[factor] < 0 ? linearized_weight_[factor] : correction_weight_[factor];
+  return std::abs(weight_[factor] - known) > kStaleWeight;
+}
+
+bool LiveProblem::weightIsFarOff(int factor) const {
+  const float a = weight_[factor], b = linearized_weight_[factor];
+  return std::abs(a - b) > kFarOffWeight * std::max(a, b);
+}
+
+void LiveProblem::reweigh(int factor) { held_weight_[factor] = weight_[factor]; }
+
+const Residual& LiveProblem::correct(int f, WhitenedFactor& out) {
+  linearize(f, out);
+  Residual model = out.e;
+  const auto variables = variablesOf(f);
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    const int v = variables[i];
+    if (tangentSize(v) > 0)
+      model.noalias() += out.J[i] * Eigen::Map<const VectorX>(delta(v), tangentSize(v));
+  }
+  const WeightedCost here = whitenedResidual(*edges_[f], pointers(f, estimate_), change_);
+  // The Jacobians have √w of the linearisation; a weight of zero there says nothing here.
+  const double w = linearized_weight_[f];
+  change_ *= w > 0.0 ? here.weight / std::sqrt(w) : 0.0;
+  const double rest = here.cost - 0.5 * change_.squaredNorm();
+  change_ -= model;
+  if (correction_[f] < 0) {
+    if (free_corrections_.empty()) {
+      free_corrections_.push_back(static_cast<int>(corrections_.size()));
+      corrections_.emplace_back();
+    }
+    correction_[f] = free_corrections_.back();
+    free_corrections_.pop_back();
+    corrections_[correction_[f]].setZero(change_.size());
+  }
+  corrections_[correction_[f]] += change_;
+  linearized_cost_[f] = rest + 0.5 * (out.e + change_).squaredNorm();
+  correction_weight_[f] = static_cast<float>(here.weight);
+  return change_;
+}
+
+void LiveProblem::evaluateAnew(int f) {
+  held_weight_[f] = -1.0F;
+  if (correction_[f] < 0) return;
+  free_corrections_.push_back(correction_[f]);
+  correction_[f] = -1;
 }
 
 double LiveProblem::linearizedCost() const {

@@ -16,11 +16,11 @@ void fields(FieldVisitor& v, SolverParams& p) {
            "First damping, relative to the diagonal of the normal equations",
            Range::between(1e-15, 1e3));
   v.number("relinearize_above", p.relinearize_above,
-           "Incremental: distance from its linearisation at which a node is linearised anew "
-           "[m, rad]",
+           "Incremental: way after which a node's edges are evaluated anew [m, rad]",
            Range::between(0.0, 0.1));
-  v.number("propagate_above", p.propagate_above,
-           "Incremental: changes up to this are not carried on to other nodes [m, rad]",
+  v.number("neglected_share", p.neglected_share,
+           "Incremental: changes are not carried on whose neglect costs less than this share of "
+           "the cost, all together",
            Range::between(0.0, 1e-3));
   v.integer("window_keyframes", p.window_keyframes,
             "Windowed: the most keyframes that are answered before the whole map has been",

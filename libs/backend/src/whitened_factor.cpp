@@ -76,6 +76,22 @@ double whitenedFactor(const CEdgeBase& edge, std::span<const double* const> stat
   return 0.5 * rho.rho;
 }
 
+double whitenedFactor(const CEdgeBase& edge, std::span<const double* const> states, double weight,
+                      WhitenedFactor& out) {
+  edge.evaluate(states, out.e, &out.J);
+  const double squared_norm = whitenedSquaredNorm(edge.sqrtInformation(), out.e);
+  whiten(edge.sqrtInformation(), std::sqrt(weight), states.size(), out);
+  return 0.5 * edge.kernel(squared_norm).rho;
+}
+
+WeightedCost whitenedResidual(const CEdgeBase& edge, std::span<const double* const> states,
+                              Residual& out) {
+  edge.evaluate(states, out, nullptr);
+  out = (edge.sqrtInformation() * out).eval();
+  const RobustKernel::Value rho = edge.kernel(out.squaredNorm());
+  return {0.5 * rho.rho, rho.weight};
+}
+
 WeightedCost weightedCost(const CEdgeBase& edge, std::span<const double* const> states) {
   Residual e;
   edge.evaluate(states, e, nullptr);

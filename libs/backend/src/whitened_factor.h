@@ -19,12 +19,20 @@ struct WhitenedFactor {
 double whitenedFactor(const CEdgeBase& edge, std::span<const double* const> states,
                       WhitenedFactor& out, double* weight = nullptr);
 
-/// The cost alone; not finite when the residual is not.
-double factorCost(const CEdgeBase& edge, std::span<const double* const> states);
-/// The same with the weight ρ' that the robust kernel gives the edge.
+/// The same under a given weight.
+double whitenedFactor(const CEdgeBase& edge, std::span<const double* const> states, double weight,
+                      WhitenedFactor& out);
+
+/// U e alone; returns cost and weight.
 struct WeightedCost {
   double cost, weight;
 };
+WeightedCost whitenedResidual(const CEdgeBase& edge, std::span<const double* const> states,
+                              Residual& out);
+
+/// The cost alone; not finite when the residual is not.
+double factorCost(const CEdgeBase& edge, std::span<const double* const> states);
+/// The same with the weight ρ' that the robust kernel gives the edge.
 WeightedCost weightedCost(const CEdgeBase& edge, std::span<const double* const> states);
 
 /// out += AᵀB, a block with leading dimension `stride`.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <numeric>
 #include <random>
 
 #include "block_arena.h"
@@ -165,6 +166,142 @@ TEST(FrontFactor, SolvesAfterEveryChange) {
     factor.solve(problem, 0.0);
     expectSolved(problem, factor);
   }
+}
+
+class Corrections : public ::testing::Test {
+ protected:
+  Corrections() {
+    const CSceneGraph graph =
+        generateGraph({.seed = 32, .keyframes_per_lap = 16, .loop_every = 5, .outliers = true}, 50);
+    for (const auto& edge : graph.edgeSlots()) {
+      for (const NodeId node : edge->nodes)
+        if (problem_.variableOf(node) < 0) problem_.addVariable(graph.nodeSlots()[node.value]);
+      problem_.addFactor(edge);
+    }
+    factor_.build(problem_, context_);
+    EXPECT_FALSE(factor_.factorize(problem_));
+    start_ = problem_;
+    solve();
+  }
+  void solve() {
+    factor_.solve(problem_, 0.0);
+    for (int v = 0; v < problem_.variables(); ++v) problem_.updateEstimate(v);
+    for (int f = 0; f < problem_.factors(); ++f) problem_.updateCost(f);
+  }
+  std::vector<int> all() const {
+    std::vector<int> factors(static_cast<std::size_t>(problem_.factors()));
+    std::iota(factors.begin(), factors.end(), 0);
+    return factors;
+  }
+  LiveProblem problem_, start_;
+  CholmodContext context_;
+  FrontFactor factor_;
+};
+
+TEST_F(Corrections, MakeTheModelThatOfTheResidualsAtTheEstimates) {
+  const double decrease = factor_.correct(problem_, all());
+  WhitenedFactor model;
+  for (int f = 0; f < problem_.factors(); ++f) {
+    problem_.linearize(f, model);
+    const auto variables = problem_.variablesOf(f);
+    std::vector<const double*> states;
+    for (std::size_t i = 0; i < variables.size(); ++i) {
+      const int v = variables[i];
+      model.e += model.J[i] * Eigen::Map<const VectorX>(problem_.delta(v), problem_.tangentSize(v));
+      states.push_back(problem_.estimate(v));
+    }
+    // J is scaled by the root of the old weight, so that Jᵀe has the new one.
+    Residual e;
+    const WeightedCost here = whitenedResidual(*problem_.edge(f), states, e);
+    double old_weight = 1.0;
+    WhitenedFactor start;
+    std::vector<const double*> start_states;
+    for (const int v : variables) start_states.push_back(start_.estimate(v));
+    whitenedFactor(*problem_.edge(f), start_states, start, &old_weight);
+    ASSERT_LT((std::sqrt(old_weight) * model.e - here.weight * e).norm(), 1e-5 * (1.0 + e.norm()));
+  }
+  EXPECT_NEAR(problem_.linearizedCost() - factor_.modelDecrease(), problem_.cost() - decrease,
+              1e-7 * problem_.cost());
+  factor_.solve(problem_, 0.0);
+  expectSolved(problem_, factor_);
+}
+
+TEST_F(Corrections, LastWhileFrontsAreFactorizedAgain) {
+  factor_.correct(problem_, all());
+  factor_.solve(problem_, 0.0);
+  const VectorX corrected = Eigen::Map<const VectorX>(problem_.delta(0), problem_.tangentSize());
+  const double model = problem_.linearizedCost() - factor_.modelDecrease();
+  for (int f = 0; f < problem_.factors(); f += 7) factor_.tree().touchFactor(problem_, f);
+  ASSERT_FALSE(factor_.factorize(problem_));
+  EXPECT_GT(factor_.lastFronts(), 1);
+  factor_.solve(problem_, 0.0);
+  const VectorX again = Eigen::Map<const VectorX>(problem_.delta(0), problem_.tangentSize());
+  EXPECT_LT((again - corrected).norm(), 1e-8 * (1.0 + corrected.norm()));
+  EXPECT_NEAR(problem_.linearizedCost() - factor_.modelDecrease(), model, 1e-8 * model);
+}
+
+TEST_F(Corrections, LeadBackToTheMinimum) {
+  for (int i = 0; i < 8; ++i) {
+    for (int v = 0; v < problem_.variables(); ++v) {
+      problem_.relinearize(v);
+      factor_.forget(problem_, v);
+    }
+    factor_.tree().touchAll();
+    ASSERT_FALSE(factor_.factorize(problem_));
+    solve();
+  }
+  const double minimum = problem_.cost();
+  std::mt19937_64 rng(4);
+  for (int i = 0; i < problem_.tangentSize(); ++i)
+    problem_.delta(0)[i] += std::normal_distribution<double>(0.0, 0.003)(rng);
+  for (int v = 0; v < problem_.variables(); ++v) problem_.updateEstimate(v);
+  for (int f = 0; f < problem_.factors(); ++f) problem_.updateCost(f);
+  ASSERT_GT(problem_.cost(), 1.1 * minimum);
+  for (int i = 0; i < 5; ++i) {
+    factor_.correct(problem_, all());
+    solve();
+  }
+  EXPECT_NEAR(problem_.cost(), minimum, 1e-4 * minimum);
+}
+
+TEST_F(Corrections, MixWithNewLinearizationsAndWeights) {
+  std::mt19937_64 rng(6);
+  for (int round = 0; round < 6; ++round) {
+    std::vector<int> some;
+    for (int v = 0; v < problem_.variables(); ++v) {
+      if (rng() % 4 != 0) continue;
+      problem_.relinearize(v);
+      factor_.forget(problem_, v);
+      problem_.forEachFactorOf(v, [&](int f) { factor_.tree().touchFactor(problem_, f); });
+    }
+    for (int f = 0; f < problem_.factors(); ++f) {
+      if (rng() % 3 != 0) continue;
+      some.push_back(f);
+      if (rng() % 4 != 0) continue;
+      problem_.reweigh(f);
+      factor_.tree().touchFactor(problem_, f);
+    }
+    ASSERT_FALSE(factor_.factorize(problem_));
+    factor_.correct(problem_, some);
+    factor_.solve(problem_, 0.0);
+    expectSolved(problem_, factor_);
+    // A small part of the step, so that the graph stays where it is nearly linear.
+    for (int i = 0; i < problem_.tangentSize(); ++i) problem_.delta(0)[i] *= 0.1;
+    for (int v = 0; v < problem_.variables(); ++v) problem_.updateEstimate(v);
+    for (int f = 0; f < problem_.factors(); ++f) problem_.updateCost(f);
+  }
+}
+
+TEST_F(Corrections, GoWhenAVariableIsLinearizedAnew) {
+  factor_.correct(problem_, all());
+  for (int v = 0; v < problem_.variables(); ++v) {
+    problem_.relinearize(v);
+    factor_.forget(problem_, v);
+  }
+  factor_.tree().touchAll();
+  ASSERT_FALSE(factor_.factorize(problem_));
+  factor_.solve(problem_, 0.0);
+  expectSolved(problem_, factor_);
 }
 
 TEST(FrontFactor, AFreeGaugeIsSingular) {

@@ -26,10 +26,10 @@ struct SolverParams {
   /// Stop when no tangent entry moves by more than this [m, rad].
   double min_step = 1e-9;
   double initial_lambda = 1e-6;
-  /// Incremental: distance from its linearisation at which a node is linearised anew [m, rad].
+  /// Incremental: way after which a node's edges are evaluated anew [m, rad].
   double relinearize_above = 0.01;
-  /// Incremental: changes up to this are not carried on to other nodes [m, rad].
-  double propagate_above = 1e-4;
+  /// Incremental: changes are not carried on whose neglect costs less than this share of the cost, all together.
+  double neglected_share = 1e-5;
   /// Windowed: the most keyframes that are answered before the whole map has been.
   int window_keyframes = 40;
   /// Windowed: whether the whole map is solved on a thread of its own. The results are the same.
