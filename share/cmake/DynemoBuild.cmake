@@ -39,6 +39,17 @@ if(DYNEMO_SANITIZE)
   add_link_options(-fsanitize=${DYNEMO_SANITIZE})
 endif()
 
+# Everything that is installed, and no test: for those who build to install. The check runs before anything is copied.
+add_custom_target(installable)
+foreach(component programs development)
+  install(SCRIPT ${CMAKE_BINARY_DIR}/check_${component}.cmake COMPONENT ${component})
+endforeach()
+# dynemo_installs(COMPONENT TARGET FILE): the file is installed, and the target makes it (DynemoInstallCheck.cmake).
+function(dynemo_installs component target file)
+  add_dependencies(installable ${target})
+  set_property(GLOBAL APPEND PROPERTY DYNEMO_INSTALLED_${component} ${file})
+endfunction()
+
 # dynemo_add_library(NAME SOURCES a.cpp ... DEPENDS dynemo::core ... PRIVATE_DEPENDS ...)
 # One library of the data flow: target dynemo_NAME, alias and exported name dynemo::NAME.
 function(dynemo_add_library name)
@@ -51,6 +62,7 @@ function(dynemo_add_library name)
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(dynemo_${name} PUBLIC dynemo_options ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE_DEPENDS})
   install(TARGETS dynemo_${name} EXPORT dynemoTargets)
+  dynemo_installs(development dynemo_${name} $<TARGET_FILE:dynemo_${name}>)
   install(DIRECTORY include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 endfunction()
 
@@ -71,6 +83,7 @@ function(dynemo_add_manual program)
     COMMENT "Manual page of ${program}" VERBATIM)
   add_custom_target(manual_${program} ALL DEPENDS ${manual})
   install(FILES ${manual} DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT programs)
+  dynemo_installs(programs manual_${program} ${manual})
 endfunction()
 
 # dynemo_add_program(NAME SOURCES ... DEPENDS ...): an installed command, with a manual page, and completion
@@ -80,6 +93,7 @@ function(dynemo_add_program name)
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE ${ARG_DEPENDS})
   install(TARGETS ${name} COMPONENT programs)
+  dynemo_installs(programs ${name} $<TARGET_FILE:${name}>)
   set_property(GLOBAL APPEND PROPERTY DYNEMO_PROGRAMS ${name})
   if(HELP2MAN AND GZIP)
     dynemo_add_manual(${name})

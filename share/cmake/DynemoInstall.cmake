@@ -13,3 +13,10 @@ install(FILES ${CMAKE_BINARY_DIR}/dynemoConfig.cmake ${CMAKE_BINARY_DIR}/dynemoC
   ${CMAKE_CURRENT_LIST_DIR}/DynemoFindSuiteSparse.cmake
   DESTINATION ${package_dir})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/share/examples DESTINATION ${CMAKE_INSTALL_DATADIR}/dynemo)
+
+# What DynemoBuild.cmake runs before anything is installed.
+foreach(component programs development)
+  get_property(files GLOBAL PROPERTY DYNEMO_INSTALLED_${component})
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/DynemoInstallCheck.cmake.in ${CMAKE_BINARY_DIR}/check_${component}.cmake.in @ONLY)
+  file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/check_${component}.cmake INPUT ${CMAKE_BINARY_DIR}/check_${component}.cmake.in)
+endforeach()
