@@ -7,6 +7,7 @@
 #include <iostream>
 #include <string>
 
+#include "command_line_error.h"
 #include "dynemo/core/error.h"
 
 namespace dynemo {
@@ -26,7 +27,7 @@ inline int runProgram(CLI::App& app, int argc, char** argv, const std::function<
   } catch (const CLI::ParseError& e) {
     std::string help = app.get_name();
     for (const CLI::App* command : app.get_subcommands()) help += " " + command->get_name();
-    return fail(std::string(e.what()) + " (see " + help + " --help)", ExitStatus::kUsage);
+    return fail(commandLineError(app, e) + " (see " + help + " --help)", ExitStatus::kUsage);
   } catch (const ConfigError& e) {
     return fail(e.what(), ExitStatus::kUsage);
   } catch (const DataError& e) {

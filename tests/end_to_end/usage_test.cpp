@@ -37,6 +37,7 @@ TEST(Usage, MissingArguments) {
 
 TEST(Usage, UnknownOptionsAndSurplusArguments) {
   expectRefusal(slam(with({"--nope"})), kUsage, {"--nope"});
+  expectRefusal(slam(with({"--quite"})), kUsage, {"--quite", "did you mean --quiet?"});
   expectRefusal(slam(with({"second.rawlog"})), kUsage, {"second.rawlog"});
   expectRefusal(slam(with({"-v", "-q"})), kUsage, {"--verbose", "--quiet"});
 }
