@@ -122,6 +122,21 @@ def two_frames(browser):
     browser.evaluate("new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
 
 
+def check_legend(browser):
+    """The colours beside the layers' names are those that the layers are drawn in."""
+    parts = browser.evaluate("dynemo.robot()")
+    shown = browser.evaluate(
+        "getComputedStyle(document.querySelector('input[data-layer=Robot]').nextSibling).background")
+    for part in parts:
+        rgb = "rgb({}, {}, {})".format(*(int(part[i:i + 2], 16) for i in (1, 3, 5)))
+        if rgb not in shown:
+            raise SystemExit(f"the robot is {parts}, in the legend it is {shown}")
+    for name in ("Keyframes", "Floors", "Planes", "Trajectory", "Robot", "Entities"):
+        layer = browser.evaluate(f"dynemo.layer('{name}')")
+        if layer and layer["colors"][0] not in layer["swatch"]:
+            raise SystemExit(f"{name} is drawn in {layer['colors']}, in the legend it is {layer['swatch']}")
+
+
 def use(browser):
     while not browser.evaluate("document.readyState === 'complete' && !!window.dynemo"):
         time.sleep(0.2)
@@ -154,6 +169,7 @@ def use(browser):
     layers = browser.evaluate("document.querySelectorAll('#layer-list input[data-layer]').length")
     if layers < 8:
         raise SystemExit(f"only {layers} layers can be switched")
+    check_legend(browser)
     browser.evaluate("document.querySelector('input[data-layer=Points]').click()")
     without = drawn(browser)[0]
     browser.evaluate("document.querySelector('input[data-layer=Points]').click()")

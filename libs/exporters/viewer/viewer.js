@@ -85,8 +85,24 @@ scene.add(sun);
 const kLevel = { points: 0, keyframe: 1, plane: 2, entity: 2, floor: 3 };
 const layers = [];
 
+/** The colours that an object is drawn in, but for those that its vertices carry. */
+function colorsOf(object) {
+  const colors = new Set();
+  object.traverse(o => {
+    if (o.material && !o.material.vertexColors) colors.add(o.material.color.getHex());
+  });
+  return [...colors];
+}
+
+/** What stands for a layer in the list: its colours side by side, the first of them when there are many. */
+function swatchOf(object) {
+  const colors = colorsOf(object).slice(0, 4).map(cssColor);
+  const stops = colors.map((c, i) => `${c} ${100 * i / colors.length}% ${100 * (i + 1) / colors.length}%`);
+  return stops.length > 1 ? `linear-gradient(90deg, ${stops.join(', ')})` : colors[0] || 'none';
+}
+
 function addLayer(group, name, object, options) {
-  const layer = Object.assign({ group, name, object, visible: true, level: 0 }, options);
+  const layer = Object.assign({ group, name, object, visible: true, level: 0, swatch: swatchOf(object) }, options);
   layer.object.visible = layer.visible;
   scene.add(layer.object);
   layers.push(layer);
@@ -163,7 +179,7 @@ data.floors.forEach(f => {
   grid.position.copy(plate.position);
   floors.add(plate, grid);
 });
-addLayer('Graph', 'Floors', floors, { swatch: '#b8c0cc', count: data.floors.length, level: kLevel.floor });
+addLayer('Graph', 'Floors', floors, { count: data.floors.length, level: kLevel.floor });
 
 // Planes, where the graph has any.
 const planes = new THREE.Group();
@@ -177,7 +193,7 @@ data.planes.filter(p => !p.ceiling).forEach(p => {
   planes.add(face);
 });
 if (planes.children.length)
-  addLayer('Graph', 'Planes', planes, { swatch: '#9aa7b5', count: planes.children.length, level: kLevel.plane });
+  addLayer('Graph', 'Planes', planes, { count: planes.children.length, level: kLevel.plane });
 
 // Keyframes.
 const keyframes = new THREE.Group();
@@ -191,12 +207,12 @@ data.keyframes.forEach(k => {
   mark.userData = { time: k.t, text: 'keyframe ' + k.id + '\nat ' + fixed(k.t) + ' s\n' + k.reasons };
   keyframes.add(mark);
 });
-addLayer('Graph', 'Keyframes', keyframes, { swatch: '#2b3a55', count: data.keyframes.length, level: kLevel.keyframe });
+addLayer('Graph', 'Keyframes', keyframes, { count: data.keyframes.length, level: kLevel.keyframe });
 
 // The robot's way.
-addLayer('Robot', 'Trajectory', tube(frames, 0.025, 0x1a4fd6), { swatch: '#1a4fd6', line: true, level: kLevel.keyframe });
+addLayer('Robot', 'Trajectory', tube(frames, 0.025, 0x1a4fd6), { line: true, level: kLevel.keyframe });
 const odometry = lineStrip(floats(data.odometry), 0x707b8c, 0.8);
-addLayer('Robot', 'Odometry alone', odometry, { swatch: '#707b8c', line: true, visible: false, level: kLevel.keyframe });
+addLayer('Robot', 'Odometry alone', odometry, { line: true, visible: false, level: kLevel.keyframe });
 const robot = new THREE.Group();
 const body = new THREE.Mesh(new THREE.BoxBufferGeometry(0.5, 0.4, 0.25),
                             new THREE.MeshLambertMaterial({ color: 0x1a4fd6 }));
@@ -206,7 +222,7 @@ nose.rotation.z = -Math.PI / 2;
 nose.position.x = 0.35;
 body.position.z = nose.position.z = 0.12;
 robot.add(body, nose, axes(0.6));
-addLayer('Robot', 'Robot', robot, { swatch: '#ffc83d', level: kLevel.keyframe });
+addLayer('Robot', 'Robot', robot, { level: kLevel.keyframe });
 
 // Entities.
 const boxes = new THREE.Group(), tracks = new THREE.Group(), ghosts = new THREE.Group();
@@ -252,10 +268,10 @@ entities.forEach(e => {
     return group;
   });
 });
-addLayer('Graph', 'Entities', boxes, { swatch: '#f28e2b', count: entities.length, level: kLevel.entity });
-addLayer('Graph', 'Tracks of agents', tracks, { swatch: '#d62f4b', line: true, level: kLevel.entity });
+addLayer('Graph', 'Entities', boxes, { count: entities.length, level: kLevel.entity });
+addLayer('Graph', 'Tracks of agents', tracks, { line: true, level: kLevel.entity });
 addLayer('Graph', 'Displaced objects', ghosts,
-         { swatch: '#d6272855', count: ghosts.children.length, level: kLevel.entity });
+         { count: ghosts.children.length, level: kLevel.entity });
 
 // Edges: one object per kind, ascending in time, so that a draw range shows those of a time.
 const edgeKinds = data.edges.map(kind => {
@@ -633,6 +649,11 @@ window.dynemo = {
     return e && { position: e.node.position.toArray(), visible: e.node.visible, title: e.title, class: e.class };
   },
   entities: () => entities.map(e => e.id),
+  layer: name => {
+    const l = layers.find(x => x.name === name);
+    return l && { swatch: l.swatch, colors: colorsOf(l.object).map(cssColor) };
+  },
+  robot: () => [body, nose].map(part => cssColor(part.material.color.getHex())),
   textAt
 };
 requestAnimationFrame(tick);
