@@ -34,7 +34,7 @@ void declare(CLI::App& app, Options& o) {
   app.add_option("--output", o.output,
                  "File to write (a folder for formats of several files); inside an existing folder "
                  "it gets the name dynemo-slam would give it. An earlier one is replaced when the "
-                 "export is complete")
+                 "export is complete; an ending that belongs to another format is refused")
       ->type_name("FILE");
   app.add_option("--at", o.at,
                  std::string("Map clouds: show entities as of this time; ") + kTimeHelp)
@@ -82,6 +82,7 @@ int run(const Options& o) {
     if (o.output.empty()) throw ConfigError("--output is required (see dynemo-export --help)");
     if (!exporters().contains(o.format))
       throw ConfigError("--format " + o.format + ": must be among: " + formatNames());
+    if (!fs::is_directory(o.output)) checkFileName(o.format, o.output);
   }
   const Session session = loadRunSession(o.run);
   const ExportParams params = exportParams(o, session);

@@ -1,6 +1,8 @@
 // dynemo-export on the bundled sample, its files judged by readers that are not of this project.
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "dynemo/evaluation/trajectory.h"
 #include "dynemo/exporters/exporter.h"
 #include "slam_run.h"
@@ -167,8 +169,21 @@ TEST(Export, RefusesWhatItCannotDo) {
   expectError(exportRun(run, "tum", folder / "x", {"--at", "+1"}), kUsage, "shows all times");
   expectError(exportRun(run, "ply", folder / "x", {"--set", "cloud.nope=1"}), kUsage, "cloud.nope");
   expectError(exportRun(run, "ply", folder / "no" / "x"), kData, "no/x");
+  expectError(exportRun(run, "png", folder / "x.ply"), kUsage, ".ply is written by: ply");
+  expectError(exportRun(run, "ply", folder / "x.JPG"), kUsage, "files that end in .ply");
+  expectError(exportRun(run, "tum", folder / "x.tum"), kUsage, "format tum writes a folder");
   expectError(exportRun(folder.path(), "ply", folder / "x"), kData, "session/graph.bin");
   EXPECT_FALSE(fs::exists(folder / "x"));
+}
+
+TEST(Export, EndingsThatBelongToNoOtherFormatAreTheUsersOwn) {
+  for (const auto& [format, file] : std::map<std::string, std::string>{{"ply", "map"},
+                                                                       {"pcd", "map.PCD"},
+                                                                       {"gltf", "scene.gltf"},
+                                                                       {"trajectory", "robot.txt"},
+                                                                       {"g2o", "graph.v2"},
+                                                                       {"planes", "walls.csv"}})
+    EXPECT_NO_THROW(checkFileName(format, file)) << format << " " << file;
 }
 
 }  // namespace

@@ -140,6 +140,20 @@ TEST(Query, HoursAfterTheRunMayBeAskedFor) {
       std::string::npos);
 }
 
+TEST(Query, AWordThatIsNoCommandIsNamedWithTheNearestOne) {
+  const std::string run = "/nonexistent/run";
+  const auto expectError = [](const Outcome& outcome, const std::string& text) {
+    EXPECT_EQ(outcome.status, kUsage) << describe(outcome);
+    EXPECT_NE(outcome.err.find(text), std::string::npos) << describe(outcome);
+  };
+  expectError(ask({run, "wher", "1"}), "'wher' is no command; did you mean where?");
+  expectError(ask({"difff", "a", "b"}), "'difff' is no command; did you mean diff?");
+  expectError(ask({run, "explain"}), "'explain' is no command; known: where, moved, near");
+  expectError(ask({run}), "a command is required after '" + run + "'; known: where, moved");
+  expectError(ask({"--vresion"}), "'--vresion' is no option; did you mean --version?");
+  expectError(ask({run, "where", "1", "--jsn"}), "did you mean --json?");
+}
+
 TEST(Query, TellsItsParameters) {
   const Outcome one = ask({"--dump-config"}), two = ask({"diff", "--dump-config"});
   EXPECT_EQ(one.status, 0) << describe(one);

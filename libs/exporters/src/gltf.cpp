@@ -239,6 +239,7 @@ class GltfExporter : public Exporter {
  public:
   explicit GltfExporter(const ExportParams& params) : params_(params) {}
   std::string fileName() const override { return "scene.glb"; }
+  std::vector<std::string> extensions() const override { return {".glb", ".gltf"}; }
   void write(const RunResult& run, const std::filesystem::path& file) const override {
     const GltfBuilder gltf = Writer(run, params_).build();
     writeFileAtomically(file, file.extension() == ".gltf" ? gltf.gltf() : gltf.glb());

@@ -306,6 +306,7 @@ class HtmlExporter : public Exporter {
  public:
   explicit HtmlExporter(const ExportParams& params) : params_(params) {}
   std::string fileName() const override { return "scene.html"; }
+  std::vector<std::string> extensions() const override { return {".html", ".htm"}; }
   void write(const RunResult& run, const std::filesystem::path& file) const override {
     writeFileAtomically(file, filledPage(scriptSafe(Writer(run, params_).json())));
   }

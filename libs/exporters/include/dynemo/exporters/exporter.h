@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "dynemo/core/registry.h"
 #include "dynemo/exporters/export_params.h"
@@ -14,6 +16,8 @@ class Exporter {
   virtual ~Exporter() = default;
   /// File name inside a run folder, e.g. "trajectory.tum". Formats of several files have a folder.
   virtual std::string fileName() const = 0;
+  /// Ends of file names that readers of the format know, with the dot; none for a folder.
+  virtual std::vector<std::string> extensions() const;
   /// Writes the file (or folder) completely or not at all. Throws DataError when it cannot be
   /// written.
   virtual void write(const RunResult& run, const std::filesystem::path& file) const = 0;
@@ -22,5 +26,9 @@ class Exporter {
 /// By name as in the configuration's `outputs` and in dynemo-export's --format.
 using ExporterRegistry = Registry<Exporter, const ExportParams&>;
 const ExporterRegistry& exporters();
+
+/// Throws ConfigError when a name ends as files of other formats do (".ply" for the format "png"),
+/// which would mislead every reader. Other endings, and none, are the user's own.
+void checkFileName(const std::string& format, const std::filesystem::path& file);
 
 }  // namespace dynemo
