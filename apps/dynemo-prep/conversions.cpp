@@ -122,6 +122,7 @@ void declareExport(CLI::App& program, std::vector<Command>& commands) {
   struct Options {
     fs::path rawlog, output;
     ConfigLayers config;
+    bool as_recorded = false;
   };
   auto o = std::make_shared<Options>();
   auto* command = program.add_subcommand(
@@ -130,13 +131,18 @@ void declareExport(CLI::App& program, std::vector<Command>& commands) {
   command->add_option("-o,--output", o->output, "Folder to write; must not exist")
       ->required()
       ->type_name("DIR");
+  command->add_flag("--as-recorded", o->as_recorded,
+                    "Leave lens distortion in the images, which are rectified otherwise; "
+                    "calib_cam_to_cam.txt tells it");
   declareConfig(*command, o->config);
   commands.push_back({command, [o] {
-                        const auto report =
-                            exportKitti(o->rawlog, o->output, loadParams(o->config).sensors);
+                        const auto report = exportKitti(
+                            o->rawlog, o->output, loadParams(o->config).sensors,
+                            o->as_recorded ? KittiImages::kAsRecorded : KittiImages::kRectified);
                         std::cout << "clouds      " << report.clouds << "\nimages      "
-                                  << report.images << "\nposes       " << report.poses
-                                  << "\nfolder      " << o->output.string() << '\n';
+                                  << report.images << "\nrectified   " << report.rectified
+                                  << "\nposes       " << report.poses << "\nfolder      "
+                                  << o->output.string() << '\n';
                         printWarnings(report.warnings);
                         return finishOutput();
                       }});

@@ -1,5 +1,6 @@
 #include "dynemo/prep/kitti_export.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -9,6 +10,7 @@
 #include "dynemo/core/error.h"
 #include "dynemo/core/output_file.h"
 #include "dynemo/ingest/rawlog_source.h"
+#include "rectification.h"
 
 namespace dynemo {
 
@@ -106,12 +108,47 @@ void writeImage(const fs::path& file, const cv::Mat& grey) {
 struct Camera {
   CameraModel model;
   Pose3 T_base_camera;
+  /// Empty where there is no distortion, or where it stays.
+  std::optional<Rectification> rectification;
 };
+
+/// What a lens does to the image, as calib_cam_to_cam.txt has it.
+std::string distortionRow(const CameraModel& c) {
+  std::size_t terms = 5;
+  if (c.distortion == DistortionModel::kKannalaBrandt) terms = 4;
+  if (c.distortion == DistortionModel::kPlumbBob &&
+      std::any_of(c.coefficients.begin() + 5, c.coefficients.end(),
+                  [](double k) { return k != 0; }))
+    terms = 8;
+  std::string row;
+  char value[40];
+  for (std::size_t i = 0; i < terms; ++i) {
+    std::snprintf(value, sizeof(value), " %.6e", c.coefficients[i]);
+    row += value;
+  }
+  return row;
+}
+
+/// Size, intrinsics and distortion of one camera, as in KITTI's raw data.
+std::string recordedCalibration(const CameraModel& c, int index) {
+  char text[300], name[16];
+  std::snprintf(name, sizeof(name), "%02d", index);
+  std::snprintf(text, sizeof(text),
+                "S_%s: %.6e %.6e\nK_%s: %.6e %.6e %.6e %.6e %.6e %.6e %.6e %.6e %.6e\n", name,
+                static_cast<double>(c.width), static_cast<double>(c.height), name, c.fx, 0.0, c.cx,
+                0.0, c.fy, c.cy, 0.0, 0.0, 1.0);
+  return std::string(text) + "D_" + name + ":" + distortionRow(c) + "\n";
+}
+
+bool distorts(const CameraModel& c) {
+  return c.valid() && c.distortion != DistortionModel::kNone &&
+         std::any_of(c.coefficients.begin(), c.coefficients.end(), [](double k) { return k != 0; });
+}
 
 /// The sequence while it grows.
 class Sequence {
  public:
-  explicit Sequence(const fs::path& folder) : folder_(folder) {}
+  Sequence(const fs::path& folder, KittiImages images) : folder_(folder), images_(images) {}
 
   void add(const SensorFrame& frame) {
     if (!first_) first_ = frame.stamp;
@@ -138,10 +175,18 @@ class Sequence {
   }
   void addImage(const CameraImage& image, std::uint64_t index) {
     // Folders are numbered by label at the end, when all are known.
-    cameras_.try_emplace(image.label, Camera{image.model, image.T_base_camera});
+    const auto [entry, first] =
+        cameras_.try_emplace(image.label, Camera{image.model, image.T_base_camera, {}});
+    Camera& camera = entry->second;
+    if (first && distorts(image.model) && images_ == KittiImages::kRectified)
+      camera.rectification.emplace(image.model);
     writeImage(folder_.in("camera " + hexadecimal(image.label)) / (number(index) + ".png"),
-               image.grey);
+               camera.rectification ? (*camera.rectification)(image.grey) : image.grey);
     ++report_.images;
+    if (camera.rectification)
+      ++report_.rectified;
+    else if (distorts(camera.model))
+      ++report_.warnings["image with lens distortion, which only calib_cam_to_cam.txt tells"];
   }
   static std::string hexadecimal(const std::string& label) {
     std::string text;
@@ -153,9 +198,11 @@ class Sequence {
     return text;
   }
   std::string calibration() const;
+  std::string recordedCalibrations();
   std::string poses();
 
   FolderInTheMaking folder_;
+  KittiImages images_;
   std::ostringstream times_, stamps_;
   std::optional<Stamp> first_;
   std::map<std::string, Camera> cameras_;
@@ -173,6 +220,17 @@ std::string Sequence::calibration() const {
   if (!cameras_.empty() && T_base_lidar_)
     T_camera_lidar = cameras_.begin()->second.T_base_camera.inverse() * *T_base_lidar_;
   return text + "Tr: " + matrixRow(T_camera_lidar) + "\n";
+}
+
+std::string Sequence::recordedCalibrations() {
+  std::string text;
+  int index = 0;
+  for (const auto& [label, camera] : cameras_) {
+    if (camera.model.distortion == DistortionModel::kKannalaBrandt)
+      ++report_.warnings["camera with a fisheye lens: D in calib_cam_to_cam.txt is Kannala-Brandt"];
+    text += recordedCalibration(camera.model, index++);
+  }
+  return text;
 }
 
 /// A frame without odometry keeps the last pose, so that the rows stay those of the frames.
@@ -215,6 +273,8 @@ KittiReport Sequence::finish(const IngestReport& ingest) {
   writeFileAtomically(folder_.path() / "times.txt", times_.str());
   writeFileAtomically(folder_.path() / "stamps.txt", stamps_.str());
   writeFileAtomically(folder_.path() / "calib.txt", calibration());
+  if (!cameras_.empty())
+    writeFileAtomically(folder_.path() / "calib_cam_to_cam.txt", recordedCalibrations());
   const std::string rows = poses();
   if (!rows.empty()) writeFileAtomically(folder_.path() / "poses.txt", rows);
   if (report_.clouds + report_.images == 0)
@@ -225,10 +285,10 @@ KittiReport Sequence::finish(const IngestReport& ingest) {
 
 }  // namespace
 
-KittiReport exportKitti(const fs::path& rawlog, const fs::path& folder,
-                        const IngestParams& params) {
+KittiReport exportKitti(const fs::path& rawlog, const fs::path& folder, const IngestParams& params,
+                        KittiImages images) {
   const auto source = makeRawlogSource(params, rawlog);
-  Sequence sequence(folder);
+  Sequence sequence(folder, images);
   while (const auto frame = source->next()) sequence.add(*frame);
   return sequence.finish(source->report());
 }

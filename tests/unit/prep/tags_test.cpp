@@ -31,7 +31,9 @@ class Tags : public ::testing::Test {
   static Pose3 boxPose(double) { return uprightAhead(3.0, 0.0, 0.8); }
   static Pose3 walkerPose(double t) { return uprightAhead(3.5, 0.0, -0.8 + 0.6 * t); }
 
-  void SetUp() override {
+  void SetUp() override { writeLog(); }
+
+  void writeLog() {
     EntityModel box = boxEntity(EntityId{1}), walker = boxEntity(EntityId{2});
     for (TagModel& tag : walker.tags) tag.tag_id += 10;
     walker.semantic_class = SemanticClass::kAgent;
@@ -56,7 +58,12 @@ class Tags : public ::testing::Test {
     o.cameraParams.ncols = static_cast<std::uint32_t>(camera.width);
     o.cameraParams.nrows = static_cast<std::uint32_t>(camera.height);
     o.cameraParams.setIntrinsicParamsFromValues(camera.fx, camera.fy, camera.cx, camera.cy);
-    o.cameraParams.distortion = mrpt::img::DistortionModel::none;
+    using mrpt::img::DistortionModel;
+    o.cameraParams.distortion =
+        camera.distortion == dynemo::DistortionModel::kNone       ? DistortionModel::none
+        : camera.distortion == dynemo::DistortionModel::kPlumbBob ? DistortionModel::plumb_bob
+                                                                  : DistortionModel::kannala_brandt;
+    std::copy(camera.coefficients.begin(), camera.coefficients.end(), o.cameraParams.dist.begin());
     o.cameraPose = toMrpt(forwardCamera());
     return o;
   }
@@ -195,8 +202,10 @@ TEST_F(Tags, ExportWritesOneOfEachPerFrame) {
   EXPECT_EQ(report.images, 15U);
   EXPECT_EQ(report.poses, 15U);
   EXPECT_EQ(filesIn(folder / "kitti"),
-            (std::vector<std::string>{"calib.txt", "image_0", "poses.txt", "stamps.txt",
-                                      "times.txt", "velodyne"}));
+            (std::vector<std::string>{"calib.txt", "calib_cam_to_cam.txt", "image_0", "poses.txt",
+                                      "stamps.txt", "times.txt", "velodyne"}));
+  EXPECT_EQ(report.rectified, 0U);
+  EXPECT_EQ(report.warnings.size(), 0U);
   const auto original = scan(0.0);
   EXPECT_EQ(fs::file_size(folder / "kitti" / "velodyne" / "000000.bin"),
             original.pointcloud->size() * 4 * sizeof(float));
@@ -224,6 +233,44 @@ TEST_F(Tags, ExportWritesOneOfEachPerFrame) {
   const Pose3 expected = forwardCamera().inverse() * kBaseFromLidar;
   EXPECT_LT((Tr.leftCols<3>() - expected.R).norm() + (Tr.col(3) - expected.t).norm(), 1e-6);
   EXPECT_THROW(exportKitti(log, folder / "kitti", {}), DataError);
+}
+
+TEST_F(Tags, ExportTakesTheLensOutOfTheImages) {
+  const auto exported = [&](const char* name) {
+    return cv::imread((folder / name / "image_0" / "000003.png").string(), cv::IMREAD_UNCHANGED);
+  };
+  const auto difference = [](const cv::Mat& a, const cv::Mat& b) {
+    return cv::norm(a, b, cv::NORM_L1) / static_cast<double>(a.total());
+  };
+  const cv::Mat pinhole = image(0.3).image.asCvMat<cv::Mat>(mrpt::img::DEEP_COPY);
+  for (const auto lens : {DistortionModel::kPlumbBob, DistortionModel::kKannalaBrandt}) {
+    const CameraModel before = camera;
+    camera = testCamera(lens);
+    camera.fx = before.fx, camera.fy = before.fy, camera.cx = before.cx, camera.cy = before.cy;
+    fs::remove(log);
+    writeLog();
+    fs::remove_all(folder / "rectified");
+    fs::remove_all(folder / "recorded");
+    const auto rectified = exportKitti(log, folder / "rectified", {});
+    const auto recorded = exportKitti(log, folder / "recorded", {}, KittiImages::kAsRecorded);
+    EXPECT_EQ(rectified.rectified, 15U);
+    EXPECT_EQ(recorded.rectified, 0U);
+    EXPECT_EQ(
+        recorded.warnings.at("image with lens distortion, which only calib_cam_to_cam.txt tells"),
+        15U);
+    EXPECT_GT(difference(exported("recorded"), pinhole), 0.5) << "a lens that does something";
+    EXPECT_LT(difference(exported("rectified"), pinhole),
+              0.35 * difference(exported("recorded"), pinhole));
+    std::ifstream file(folder / "recorded" / "calib_cam_to_cam.txt");
+    std::string word;
+    double k1 = 0, k2 = 0;
+    while (file >> word && word != "D_00:") {
+    }
+    file >> k1 >> k2;
+    EXPECT_NEAR(k1, camera.coefficients[0], 1e-6);
+    EXPECT_NEAR(k2, camera.coefficients[1], 1e-6);
+    camera = before;
+  }
 }
 
 TEST_F(Tags, ExportWithoutOdometrySaysThatThereAreNoPoses) {
