@@ -134,6 +134,7 @@ LabelChange labelChange(const std::string& text) {
 void declareRelabel(CLI::App& program, std::vector<Command>& commands) {
   struct Options : RewriteArguments {
     std::vector<std::string> labels;
+    bool merge = false;
   };
   auto o = std::make_shared<Options>();
   auto* command = program.add_subcommand("relabel", "Rename sensors");
@@ -144,12 +145,15 @@ void declareRelabel(CLI::App& program, std::vector<Command>& commands) {
       ->required()
       ->type_name("OLD=NEW")
       ->allow_extra_args(false);
+  command->add_flag("--merge", o->merge,
+                    "Let several sensors get the same label, as one; else that is refused");
   commands.push_back({command, [o] {
                         std::vector<LabelChange> changes;
                         for (const std::string& text : o->labels)
                           changes.push_back(labelChange(text));
-                        return printReport(
-                            relabelRawlog(o->input, o->output, changes, o->options()));
+                        return printReport(relabelRawlog(
+                            o->input, o->output, changes,
+                            o->merge ? SameLabel::kMerge : SameLabel::kRefuse, o->options()));
                       }});
 }
 

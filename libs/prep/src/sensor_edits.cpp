@@ -3,6 +3,7 @@
 #include <mrpt/obs/CObservation3DRangeScan.h>
 #include <mrpt/obs/CObservationImage.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "dynemo/core/error.h"
@@ -71,27 +72,54 @@ RewriteReport setCalibration(const fs::path& input, const fs::path& output,
   return report;
 }
 
+namespace {
+
+/// The change that applies to an observation; null for none.
+const LabelChange* changeOf(const mrpt::obs::CObservation& o,
+                            const std::vector<LabelChange>& changes) {
+  const auto found = std::find_if(changes.begin(), changes.end(), [&](const LabelChange& change) {
+    return o.sensorLabel == change.from &&
+           (change.class_name.empty() || shortClassName(o) == change.class_name);
+  });
+  return found == changes.end() ? nullptr : &*found;
+}
+
+void requireApplied(const fs::path& input, const std::vector<LabelChange>& changes,
+                    const std::set<const LabelChange*>& applied) {
+  for (const LabelChange& change : changes)
+    if (!applied.contains(&change))
+      throw ConfigError(input.string() + ": no observation of '" + change.from + "'" +
+                        (change.class_name.empty() ? "" : " (" + change.class_name + ")"));
+}
+
+}  // namespace
+
 RewriteReport relabelRawlog(const fs::path& input, const fs::path& output,
-                            const std::vector<LabelChange>& changes,
+                            const std::vector<LabelChange>& changes, SameLabel same_label,
                             const RewriteOptions& options) {
-  std::vector<std::uint64_t> times(changes.size(), 0);
+  std::set<const LabelChange*> applied;
+  // Of each label of the result, those it comes from.
+  std::map<std::string, std::set<std::string>> origins;
   const auto edit = [&](mrpt::obs::CObservation& o) {
-    for (std::size_t i = 0; i < changes.size(); ++i) {
-      const LabelChange& change = changes[i];
-      if (o.sensorLabel != change.from) continue;
-      if (!change.class_name.empty() && shortClassName(o) != change.class_name) continue;
-      ++times[i];
-      o.sensorLabel = change.to;
-      return EditResult::kEdited;
-    }
-    return EditResult::kUnchanged;
+    const LabelChange* change = changeOf(o, changes);
+    origins[change ? change->to : o.sensorLabel].insert(o.sensorLabel);
+    if (!change) return EditResult::kUnchanged;
+    applied.insert(change);
+    o.sensorLabel = change->to;
+    return EditResult::kEdited;
   };
   return rewriteObservations(input, output, options, edit, [&](const RewriteReport&) {
-    for (std::size_t i = 0; i < changes.size(); ++i)
-      if (times[i] == 0)
-        throw ConfigError(
-            input.string() + ": no observation of '" + changes[i].from + "'" +
-            (changes[i].class_name.empty() ? "" : " (" + changes[i].class_name + ")"));
+    requireApplied(input, changes, applied);
+    if (same_label == SameLabel::kMerge) return;
+    for (const LabelChange& change : changes) {
+      if (origins[change.to].size() < 2) continue;
+      std::string labels;
+      for (const std::string& from : origins[change.to])
+        labels += (labels.empty() ? "'" : "', '") + from;
+      throw ConfigError(input.string() + ": " + labels + "' would all be '" + change.to +
+                        "', and nothing could tell them apart; choose another label, or merge them "
+                        "with --merge");
+    }
   });
 }
 

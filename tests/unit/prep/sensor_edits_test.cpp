@@ -152,11 +152,37 @@ TEST_F(SensorEdits, RelabelByClass) {
     out.write(poseObservation(0.0, "odometry"));
   }
   relabelRawlog(input, output,
-                {{"front", "front_camera", "CObservationImage"}, {"odometry", "odom", ""}}, {});
+                {{"front", "front_camera", "CObservationImage"}, {"odometry", "odom", ""}},
+                SameLabel::kRefuse, {});
   EXPECT_EQ(countByLabel(readLog(output)),
             (std::map<std::string, int>{{"front", 1}, {"front_camera", 1}, {"odom", 1}}));
-  EXPECT_THROW(relabelRawlog(input, folder / "o.rawlog", {{"nope", "x", ""}}, {}), ConfigError);
+  EXPECT_THROW(
+      relabelRawlog(input, folder / "o.rawlog", {{"nope", "x", ""}}, SameLabel::kRefuse, {}),
+      ConfigError);
   EXPECT_FALSE(fs::exists(folder / "o.rawlog"));
+}
+
+TEST_F(SensorEdits, RelabelMakesNoTwoSensorsOneUnlessAsked) {
+  {
+    RawlogWriter out(input);
+    for (const char* label : {"left", "right", "top"}) out.write(cloudObservation(0.0, 10, label));
+  }
+  const auto relabel = [&](const std::vector<LabelChange>& changes, SameLabel same_label) {
+    fs::remove(output);
+    relabelRawlog(input, output, changes, same_label, {});
+    return countByLabel(readLog(output));
+  };
+  for (const auto& changes :
+       {std::vector<LabelChange>{{"left", "right", ""}},
+        std::vector<LabelChange>{{"left", "lidar", ""}, {"top", "lidar", ""}}}) {
+    EXPECT_THROW(relabel(changes, SameLabel::kRefuse), ConfigError);
+    EXPECT_FALSE(fs::exists(output));
+  }
+  EXPECT_EQ(relabel({{"left", "right", ""}}, SameLabel::kMerge),
+            (std::map<std::string, int>{{"right", 2}, {"top", 1}}));
+  // Labels that change places stay apart.
+  EXPECT_EQ(relabel({{"left", "right", ""}, {"right", "left", ""}}, SameLabel::kRefuse),
+            (std::map<std::string, int>{{"left", 1}, {"right", 1}, {"top", 1}}));
 }
 
 }  // namespace

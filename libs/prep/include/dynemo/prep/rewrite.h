@@ -90,8 +90,13 @@ struct LabelChange {
   /// Only observations of this class; empty: all.
   std::string class_name{};
 };
+/// Whether sensors of different labels may end up with the same one.
+enum class SameLabel { kRefuse, kMerge };
+/// Throws ConfigError when a change applies to nothing, and when sensors that had different labels
+/// would have one, which nothing could tell apart afterwards, unless that is wanted.
 RewriteReport relabelRawlog(const std::filesystem::path& input, const std::filesystem::path& output,
-                            const std::vector<LabelChange>& changes, const RewriteOptions& options);
+                            const std::vector<LabelChange>& changes, SameLabel same_label,
+                            const RewriteOptions& options);
 
 enum class ImageFormat { kPng, kJpeg };
 /// Puts the images that are stored inside of the log (of CObservationImage and
