@@ -53,6 +53,27 @@ std::string classNameInHeader(const std::string& head) {
   return std::all_of(name.begin(), name.end(), printable) ? name : std::string();
 }
 
+/// What a file is that does not begin with an object, as far as its first bytes tell.
+std::string guessedKind(const std::string& head) {
+  using namespace std::string_literals;
+  const std::pair<std::string, const char*> kKinds[] = {
+      {"#ROSBAG"s, "a ROS 1 bag; `dynemo-prep import` makes a rawlog of it"},
+      {"SQLite format 3"s, "an SQLite file, as of ROS 2 bags"},
+      {"\x89MCAP"s, "an MCAP file, as of ROS 2 bags"},
+      {"\x89PNG"s, "a PNG image"},
+      {"\xFF\xD8\xFF"s, "a JPEG image"},
+      {"PK\x03\x04"s, "a ZIP archive"},
+      {"\x1F\x8B"s, "compressed twice"}};
+  for (const auto& [begin, kind] : kKinds)
+    if (head.starts_with(begin)) return std::string("it is ") + kind;
+  const auto text = [](char c) {
+    return std::isprint(static_cast<unsigned char>(c)) ||
+           std::isspace(static_cast<unsigned char>(c));
+  };
+  return std::all_of(head.begin(), head.end(), text) ? "it is text"
+                                                     : "its first bytes are those of no object";
+}
+
 }  // namespace
 
 std::string shortClassName(const mrpt::rtti::CObject& object) {
@@ -77,7 +98,8 @@ void registerRawlogClasses() {
 
 struct RawlogReader::Impl {
   Impl(const std::filesystem::path& file, std::size_t max_object_bytes)
-      : max_bytes(max_object_bytes),
+      : file_name(file),
+        max_bytes(max_object_bytes),
         stream(file),
         archive(mrpt::serialization::archiveUniquePtrFrom<mrpt::io::CStream>(stream)) {}
 
@@ -91,7 +113,9 @@ struct RawlogReader::Impl {
     ended = true;
   }
   void explainFailure();
+  [[noreturn]] void refuseForeignFile() const;
 
+  std::filesystem::path file_name;
   std::size_t max_bytes;
   GzStream stream;
   std::unique_ptr<mrpt::serialization::CArchive> archive;
@@ -109,11 +133,24 @@ void RawlogReader::Impl::explainFailure() {
     ended = true;
   else if (!name.empty() && mrpt::rtti::findRegisteredClass(name) == nullptr)
     stopDamaged("object of unknown class '" + name + "', which cannot be skipped");
+  else if (name.empty() && objects == 0)
+    refuseForeignFile();
   else
     stopDamaged(name.empty() ? "bytes that are no object"
                              : "object of class " + name +
                                    " that cannot be read (truncated, corrupt, of a newer version "
                                    "or with unknown content)");
+}
+
+void RawlogReader::Impl::refuseForeignFile() const {
+  GzStream again(file_name);
+  std::string head;
+  try {
+    for (char byte = 0; head.size() < 64 && again.Read(&byte, 1) == 1;) head += byte;
+  } catch (const std::exception&) {
+    // Its compression is damaged there.
+  }
+  throw DataError(file_name.string() + ": is no MRPT rawlog: " + guessedKind(head));
 }
 
 RawlogReader::RawlogReader(const std::filesystem::path& file, std::size_t max_object_bytes) {

@@ -47,7 +47,8 @@ class RawlogReader {
   /// Whether the file is gzip-compressed.
   bool compressed() const;
 
-  /// The next object, or nothing at the end of what can be read.
+  /// The next object, or nothing at the end of what can be read. Throws DataError when the file
+  /// does not begin with an object: it is no rawlog, and what it seems to be is said.
   std::optional<RawlogEntry> next();
 
   /// Why and roughly where reading ended before the end of the file; empty when it did not.
