@@ -1,15 +1,23 @@
 // dynemo-prep as its user calls it, on the bundled sample and, where there is one, on a real bag.
 #include <gtest/gtest.h>
+#include <mrpt/io/CFileGZInputStream.h>
+#include <mrpt/io/CFileGZOutputStream.h>
+#include <mrpt/obs/CObservationComment.h>
 #include <mrpt/obs/CObservationPointCloud.h>
+#include <mrpt/serialization/CArchive.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "dataset.h"
+#include "dynemo/evaluation/entity_data.h"
 #include "process.h"
 
 namespace dynemo::test {
 namespace {
+
+using namespace std::chrono_literals;
 
 Outcome prep(std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), DYNEMO_PREP);
@@ -174,6 +182,10 @@ TEST_F(Prep, RealBagsGiveTheirClouds) {
                            "the log's odometry cannot be used, and the scans alone do not do"})
     EXPECT_NE(check.out.find(part), std::string::npos) << part << "\n" << check.out;
   EXPECT_EQ(check.out.find("-0.0 "), std::string::npos) << check.out;
+  // Nothing ties the two clocks, which the remedy does not pretend.
+  EXPECT_EQ(check.out.find("--remap-timestamps"), std::string::npos) << check.out;
+  EXPECT_NE(check.out.find("no remedy in this log"), std::string::npos) << check.out;
+  EXPECT_NE(check.out.find("--remove-label base_pose_ground_truth"), std::string::npos);
   const Outcome slam = runCommand({DYNEMO_SLAM, "--output", path("run"), path("bag.rawlog")});
   EXPECT_EQ(slam.status, 0) << describe(slam);
   EXPECT_NE(slam.out.find("of 5 frames: the map is not to be trusted"), std::string::npos)
@@ -182,36 +194,121 @@ TEST_F(Prep, RealBagsGiveTheirClouds) {
   EXPECT_EQ(summary["doubts"].size(), 1U) << summary["doubts"];
 }
 
-/// The commands that check prints, as they are.
-TEST_F(Prep, AClockIsPutRightByTheCommandsOfCheck) {
-  if (runCommand({"sh", "-c", "command -v rawlog-edit"}).status != 0)
-    GTEST_SKIP() << "rawlog-edit is not installed";
-  const auto shell = [&](const std::string& commands) {
+/// A log of ten seconds in which the stamps of one sensor are those of another clock.
+class TwoClocks : public Prep {
+ protected:
+  void SetUp() override {
+    if (runCommand({"sh", "-c", "command -v rawlog-edit"}).status != 0)
+      GTEST_SKIP() << "rawlog-edit is not installed";
+  }
+  void write(const std::string& label, const std::string& other_clock_s) {
+    shell("dynemo-prep trim " + rawlog +
+          " --to 10 -o start.rawlog\n"
+          "rawlog-edit -q -i start.rawlog -o own.rawlog --keep-label " +
+          label + "\nrawlog-edit -q -i own.rawlog -o other.rawlog --remap-timestamps '1;" +
+          other_clock_s + "'\n");
+  }
+  void shell(const std::string& commands) const {
     const std::string programs = fs::path(DYNEMO_PREP).parent_path().string();
     const Outcome outcome =
         runCommand({"sh", "-ec", "PATH=" + programs + ":$PATH\n" + commands}, folder.path());
     EXPECT_EQ(outcome.status, 0) << describe(outcome) << commands;
-  };
-  shell("dynemo-prep trim " + rawlog +
-        " --to 10 -o start.rawlog\n"
-        "rawlog-edit -q -i start.rawlog -o camera.rawlog --keep-label camera\n"
-        "rawlog-edit -q -i camera.rawlog -o late.rawlog --remap-timestamps '1;5000'\n"
-        "rawlog-edit -q -i start.rawlog -o rest.rawlog --remove-label camera\n"
-        "ln -s start_Images late_Images\nln -s start_Images rest_Images\n"
-        "dynemo-prep merge rest.rawlog late.rawlog -o 'two clocks.rawlog'\n");
-  const std::string two_clocks = path("two clocks.rawlog");
-  const auto before = nlohmann::json::parse(prep({"check", "--json", two_clocks}).out);
+  }
+  nlohmann::json checked(const std::string& name) const {
+    return nlohmann::json::parse(prep({"check", "--json", path(name)}).out);
+  }
+  static std::string commandsFor(const nlohmann::json& check) {
+    for (const auto& f : check["findings"])
+      if (f["what"].get<std::string>().find("clock of its own") != std::string::npos)
+        return f["commands"].get<std::string>();
+    return {};
+  }
+  /// Largest distance of an object of the map of a log from the one of the same seconds as
+  /// recorded.
+  double objectsApart(const std::string& name) const {
+    const auto objects = [&](const std::string& log) {
+      const std::string run = path("run_" + log);
+      const Outcome slam =
+          runCommand({DYNEMO_SLAM, "--quiet", "--entities", sample.entities().string(), "--output",
+                      run, path(log + ".rawlog")});
+      EXPECT_EQ(slam.status, 0) << describe(slam);
+      std::map<EntityId, Vector3> last;
+      for (const auto& o : readEntityEstimates(run + "/entities.csv"))
+        if (o.semantic_class == SemanticClass::kObject) last[o.entity] = o.T_map_entity.t;
+      return last;
+    };
+    const auto expected = objects("start"), actual = objects(name);
+    EXPECT_GE(expected.size(), 3U);
+    double worst_m = 0.0;
+    for (const auto& [id, p] : expected)
+      worst_m = std::max(worst_m, actual.contains(id) ? (actual.at(id) - p).norm() : 1e9);
+    return worst_m;
+  }
+};
+
+/// A log as a recorder stores what it gets, with a sensor of the main clock every ten milliseconds
+/// and the camera's stamps of another clock.
+void writeWithHeartbeat(const fs::path& from, const fs::path& to, std::chrono::seconds ahead) {
+  mrpt::io::CFileGZInputStream in(from.string());
+  mrpt::io::CFileGZOutputStream out(to.string());
+  auto source = mrpt::serialization::archiveFrom(in);
+  auto sink = mrpt::serialization::archiveFrom(out);
+  mrpt::obs::CObservationComment beat;
+  beat.sensorLabel = "heartbeat";
+  bool begun = false;
+  try {
+    while (true) {
+      const auto o = source.ReadObject<mrpt::obs::CObservation>();
+      if (!begun) beat.timestamp = o->timestamp;
+      for (begun = true; beat.timestamp <= o->timestamp; beat.timestamp += 10ms) sink << beat;
+      if (o->sensorLabel == "camera") o->timestamp += ahead;
+      sink << *o;
+    }
+  } catch (const mrpt::serialization::CExceptionEOF&) {
+  }
+}
+
+/// Recorded together: the order of the log ties the clocks. The commands that check prints, as they
+/// are, and then dynemo-slam.
+TEST_F(TwoClocks, RecordedTogetherArePutRightByTheCommandsOfCheck) {
+  shell("dynemo-prep trim " + rawlog + " --to 10 -o start.rawlog");
+  writeWithHeartbeat(folder / "start.rawlog", folder / "two clocks.rawlog", 5000s);
+  shell("ln -s start_Images 'two clocks_Images'");
+  const auto before = checked("two clocks.rawlog");
   EXPECT_EQ(before["clocks"], 2);
-  std::string commands;
-  for (const auto& f : before["findings"])
-    if (f["what"].get<std::string>().find("clock of its own") != std::string::npos)
-      commands = f["commands"].get<std::string>();
+  for (const auto& sensor : before["sensors"]) {
+    if (sensor["label"] != "camera") continue;
+    EXPECT_NEAR(sensor["clock_offset_s"].get<double>(), 5000.0, 0.0051);
+    EXPECT_LT(sensor["clock_uncertainty_s"].get<double>(), 0.0051);
+  }
+  shell(commandsFor(before));
+  const auto after = checked("two clocks_one_clock.rawlog");
+  EXPECT_EQ(after["runnable"], true);
+  EXPECT_EQ(after["clocks"], 1);
+  EXPECT_GT(after["images_searched"], 0);
+  fs::rename(folder / "two clocks_one_clock.rawlog", folder / "mended.rawlog");
+  shell("ln -s start_Images mended_Images");
+  EXPECT_LT(objectsApart("mended"), 0.05);
+}
+
+/// A log in the order of stamps says nothing of what was recorded when, so that no map is built on
+/// a guess: the sensor is left out.
+TEST_F(TwoClocks, SortedByStampsAreTakenApart) {
+  write("camera", "5000");
+  shell(
+      "rawlog-edit -q -i start.rawlog -o rest.rawlog --remove-label camera\n"
+      "ln -s start_Images other_Images\nln -s start_Images rest_Images\n"
+      "dynemo-prep merge rest.rawlog other.rawlog -o 'two clocks.rawlog'\n");
+  const auto before = checked("two clocks.rawlog");
+  EXPECT_EQ(before["runnable"], false);
+  EXPECT_EQ(before["clocks"], 2);
+  const std::string commands = commandsFor(before);
+  EXPECT_EQ(commands.find("remap"), std::string::npos) << commands;
   shell(commands);
-  const Outcome after = prep({"check", "--json", path("two clocks_one_clock.rawlog")});
-  EXPECT_EQ(after.status, 0) << describe(after);
-  const auto json = nlohmann::json::parse(after.out);
-  EXPECT_EQ(json["clocks"], 1);
-  EXPECT_GT(json["images_searched"], 0);
+  const auto after = checked("two clocks_rest.rawlog");
+  EXPECT_EQ(after["runnable"], true);
+  EXPECT_EQ(after["clocks"], 1);
+  EXPECT_EQ(after["sensors"].size(), before["sensors"].size() - 1);
 }
 
 }  // namespace

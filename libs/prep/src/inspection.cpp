@@ -74,9 +74,11 @@ void inspectFrames(const std::filesystem::path& rawlog, const InspectionParams& 
         {Severity::kError, why,
          named ? "name sensors that are there, or none: they are found by themselves when there is "
                  "only one of a kind"
-               : "dynemo-slam needs scans, images with tags, entity detections or odometry, as "
-                 "CObservationPointCloud, CObservationImage, CObservation6DFeatures, "
-                 "CObservationRobotPose, …"});
+         : inspection.objects == 0 && !inspection.damage.empty()
+             ? "record or copy it again"
+             : "dynemo-slam needs scans, images with tags, entity detections or odometry, as "
+               "CObservationPointCloud, CObservationImage, CObservation6DFeatures, "
+               "CObservationRobotPose, …"});
   }
   inspection.images_searched = survey.imagesSearched();
   inspection.tags = survey.tags();

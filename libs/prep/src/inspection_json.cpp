@@ -35,22 +35,24 @@ Json cameraJson(const CameraInspection& c) {
 }
 
 Json sensorJson(const SensorInspection& s) {
-  Json json = {{"label", s.label},
-               {"class", s.class_name},
-               {"use", useText(s.use)},
-               {"count", s.count},
-               {"without_stamp", s.without_stamp},
-               {"first", stampJson(s.first)},
-               {"last", stampJson(s.last)},
-               {"rate_hz", s.rate_hz()},
-               {"gaps", s.gaps},
-               {"longest_gap_s", s.longest_gap_s},
-               {"longest_gap_at", stampJson(s.longest_gap_at)},
-               {"jumps_back", s.jumps_back},
-               {"clock_offset_s", s.clock_offset_s},
-               {"other_clock", s.other_clock},
-               {"T_base_sensor", s.T_base_sensor ? poseJson(*s.T_base_sensor) : Json(nullptr)},
-               {"pose_changes", s.pose_changes}};
+  Json json = {
+      {"label", s.label},
+      {"class", s.class_name},
+      {"use", useText(s.use)},
+      {"count", s.count},
+      {"without_stamp", s.without_stamp},
+      {"first", stampJson(s.first)},
+      {"last", stampJson(s.last)},
+      {"rate_hz", s.rate_hz()},
+      {"gaps", s.gaps},
+      {"longest_gap_s", s.longest_gap_s},
+      {"longest_gap_at", stampJson(s.longest_gap_at)},
+      {"jumps_back", s.jumps_back},
+      {"clock_offset_s", s.clock_offset_s},
+      {"other_clock", s.other_clock},
+      {"clock_uncertainty_s", s.clock_tie ? Json(s.clock_tie->uncertainty_s) : Json(nullptr)},
+      {"T_base_sensor", s.T_base_sensor ? poseJson(*s.T_base_sensor) : Json(nullptr)},
+      {"pose_changes", s.pose_changes}};
   if (s.scan)
     json["scan"] = {{"min_points", s.scan->min_points},
                     {"max_points", s.scan->max_points},

@@ -70,6 +70,10 @@ class Judge {
   void camera(const CameraInspection& c, const SensorInspection& s);
   void scan(const ScanInspection& scan, const SensorInspection& s);
   void otherClock(const SensorInspection& s);
+  std::string linkImages(const char* part) const;
+  std::string leaveOut(const SensorInspection& s) const;
+  std::string putRight(const SensorInspection& s) const;
+  bool scansFollow() const;
   void missingFiles(const CameraInspection& c, const SensorInspection& s);
   void roles();
   void odometry();
@@ -98,7 +102,8 @@ class Judge {
 };
 
 void Judge::file() {
-  if (!log_.damage.empty())
+  // What is no rawlog at all is one error, which is there already.
+  if (!log_.damage.empty() && log_.objects > 0)
     add(Severity::kWarning, "the file is damaged, the rest is not used: " + log_.damage,
         "record or copy it again; what can be read is saved by",
         "dynemo-prep trim " + log() + " -o " + beside("_repaired.rawlog"));
@@ -134,31 +139,65 @@ void Judge::stamps(const SensorInspection& s) {
 
 /// dynemo-slam takes no odometry of another clock; images and detections it needs.
 void Judge::otherClock(const SensorInspection& s) {
+  // A robot that turns by 1 rad/s puts what is 5 m away 5 cm beside its place by then.
+  constexpr double kTied_s = 0.0101;
   const bool odometry = s.use == UseOfSensor::kOdometry;
-  const std::string own = beside("_own.rawlog"), shifted = beside("_shifted.rawlog"),
-                    rest = beside("_rest.rawlog");
+  const bool tied = s.clock_tie && s.clock_tie->uncertainty_s <= kTied_s;
+  const bool can_be_named = !s.label.empty() && !log_.actions_and_frames;
+  std::string what = quoted(s) + ": its stamps differ by " + fixed(s.clock_offset_s, 3) + " s" +
+                     (tied ? " (+- " + fixed(s.clock_tie->uncertainty_s, 3) + " s)" : "") +
+                     " from those of the other sensors: it has a clock of its own" +
+                     (odometry ? ", so that dynemo-slam cannot use it" : "");
+  std::string fix = "synchronise the clocks and record again", commands;
+  if (!tied)
+    what += s.clock_tie ? ", and the order of the log tells the difference only to " +
+                              fixed(s.clock_tie->uncertainty_s, 3) + " s"
+                        : ", and nothing in the log ties the clocks: it was recorded at another "
+                          "time, or the log was sorted by stamps";
+  if (odometry && scansFollow()) {
+    fix += "; nothing else needs to be done, since the scans alone tell the motion";
+  } else if (!tied) {
+    fix = "there is no remedy in this log: " + fix + "; what can be used of it is the rest" +
+          (can_be_named ? ", which is left by" : "");
+    if (can_be_named) commands = leaveOut(s);
+  } else if (can_be_named) {
+    fix += "; its stamps are put right, to that and to what its recording was delayed by, by";
+    commands = putRight(s);
+  }
+  add(odometry ? Severity::kWarning : Severity::kError, std::move(what), std::move(fix),
+      std::move(commands));
+}
+
+/// Parts of the log refer to the images of the whole.
+std::string Judge::linkImages(const char* part) const {
   const bool in_files = std::any_of(
       log_.sensors.begin(), log_.sensors.end(),
       [](const SensorInspection& any) { return any.camera && any.camera->external > 0; });
-  std::string commands = "rawlog-edit -q -i " + log() + " -o " + own + " --keep-label " +
-                         word(s.label) + "\nrawlog-edit -q -i " + own + " -o " + shifted +
-                         " --remap-timestamps '1;" + fixed(-s.clock_offset_s, 3) +
-                         "'\nrawlog-edit -q -i " + log() + " -o " + rest + " --remove-label " +
-                         word(s.label) + "\n";
-  // The parts refer to the images of the whole.
-  if (in_files)
-    for (const char* part : {"_rest_Images", "_shifted_Images"})
-      commands +=
-          "ln -s " + word(log_.rawlog.stem().string() + "_Images") + " " + beside(part) + "\n";
-  commands += "dynemo-prep merge " + rest + " " + shifted + " -o " + beside("_one_clock.rawlog");
-  const bool can_be_named = !s.label.empty() && !log_.actions_and_frames;
-  add(odometry ? Severity::kWarning : Severity::kError,
-      quoted(s) + ": its stamps differ by " + fixed(s.clock_offset_s, 3) +
-          " s from those of the other sensors: it has a clock of its own" +
-          (odometry ? ", so that dynemo-slam cannot use it" : ""),
-      std::string("synchronise the clocks and record again") +
-          (can_be_named ? "; when they were recorded together, its stamps are put right by" : ""),
-      can_be_named ? commands : "");
+  if (!in_files) return {};
+  return "ln -s " + word(log_.rawlog.stem().string() + "_Images") + " " + beside(part) + "\n";
+}
+
+std::string Judge::leaveOut(const SensorInspection& s) const {
+  const std::string remove = "rawlog-edit -q -i " + log() + " -o " + beside("_rest.rawlog") +
+                             " --remove-label " + word(s.label) + "\n";
+  std::string commands = remove + linkImages("_rest_Images");
+  commands.pop_back();
+  return commands;
+}
+
+std::string Judge::putRight(const SensorInspection& s) const {
+  const std::string own = beside("_own.rawlog"), shifted = beside("_shifted.rawlog");
+  return "rawlog-edit -q -i " + log() + " -o " + own + " --keep-label " + word(s.label) +
+         "\nrawlog-edit -q -i " + own + " -o " + shifted + " --remap-timestamps '1;" +
+         fixed(-s.clock_offset_s, 3) + "'\n" + leaveOut(s) + "\n" + linkImages("_shifted_Images") +
+         "dynemo-prep merge " + beside("_rest.rawlog") + " " + shifted + " -o " +
+         beside("_one_clock.rawlog");
+}
+
+/// Whether LiDAR odometry was tried, and does.
+bool Judge::scansFollow() const {
+  return log_.odometry_trial &&
+         10 * log_.odometry_trial->followed >= 9 * log_.odometry_trial->scans;
 }
 
 void Judge::mounting(const SensorInspection& s) {
@@ -276,7 +315,7 @@ void Judge::lidarOdometry(const std::string& why, bool recorded) {
     return;
   }
   const auto& [scans, followed, warnings] = *log_.odometry_trial;
-  if (10 * followed >= 9 * scans)
+  if (scansFollow())
     return add(recorded && log_.frames_with_odometry == 0 ? Severity::kWarning : Severity::kHint,
                why + ": dynemo-slam estimates it from the scans, which does: " +
                    share(followed, scans) + " scans tried fit together",

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "dynemo/core/mrpt_conversions.h"
 #include "dynemo/ingest/decoders.h"
@@ -76,10 +77,14 @@ CameraInspection cameraInspection(const mrpt::img::TCamera& camera) {
   return c;
 }
 
+/// The stamps of one sensor in the order of the file, each with its place in it.
+using StoredStamps = std::vector<std::pair<std::uint64_t, Stamp>>;
+
 /// One sensor while the log is read.
 struct Statistics {
   SensorInspection sensor;
   std::vector<double> intervals_s, offsets_s;
+  StoredStamps stored;
   std::optional<Stamp> previous;
 
   void takeStamp(Stamp stamp, double sort_window_s);
@@ -170,6 +175,25 @@ void Statistics::finish(const Statistics* reference) {
       std::count_if(intervals_s.begin(), intervals_s.end(), [&](double i) { return i > limit_s; }));
 }
 
+/// How far the clock of `other` is ahead of that of `known`, by the order in which a log stores
+/// what it gets: what is stored between two observations of `known` was got between them. Empty
+/// when too little of it was, as when the two were recorded one after the other, or when the log
+/// was sorted by stamps.
+std::optional<ClockTie> clockTie(const StoredStamps& other, const StoredStamps& known) {
+  constexpr std::size_t kFewest = 5;
+  double low_s = -std::numeric_limits<double>::infinity(), high_s = -low_s;
+  std::size_t between = 0, next = 0;
+  for (const auto& [place, stamp] : other) {
+    while (next < known.size() && known[next].first < place) ++next;
+    if (next == 0 || next == known.size()) continue;
+    ++between;
+    low_s = std::max(low_s, secondsBetween(known[next].second, stamp));
+    high_s = std::min(high_s, secondsBetween(known[next - 1].second, stamp));
+  }
+  if (between < kFewest || 2 * between < std::min(other.size(), known.size())) return std::nullopt;
+  return ClockTie{0.5 * (low_s + high_s), 0.5 * std::abs(high_s - low_s)};
+}
+
 using StatisticsBySensor = std::map<std::pair<std::string, std::string>, Statistics>;
 
 /// Takes all observations in the order of the file.
@@ -203,8 +227,9 @@ class Collector {
   }
 
   void finish() {
+    for (auto& [key, statistics] : sensors_) statistics.finish(reference_);
     for (auto& [key, statistics] : sensors_) {
-      statistics.finish(reference_);
+      if (statistics.sensor.other_clock) tie(statistics);
       const SensorInspection& s = statistics.sensor;
       inspection_.sensors.push_back(s);
       if (s.other_clock) continue;
@@ -215,6 +240,16 @@ class Collector {
   }
 
  private:
+  /// By the sensor of the main clock that does it best.
+  void tie(Statistics& other) const {
+    for (const auto& [key, known] : sensors_) {
+      if (known.sensor.other_clock) continue;
+      const auto tie = clockTie(other.stored, known.stored);
+      std::optional<ClockTie>& best = other.sensor.clock_tie;
+      if (tie && (!best || tie->uncertainty_s < best->uncertainty_s)) best = tie;
+    }
+    if (other.sensor.clock_tie) other.sensor.clock_offset_s = other.sensor.clock_tie->offset_s;
+  }
   void observation(const CObservation& o) {
     Statistics& s = sensors_[{o.sensorLabel, shortClassName(o)}];
     s.sensor.label = o.sensorLabel;
@@ -229,6 +264,7 @@ class Collector {
       return;
     }
     s.takeStamp(*stamp, params_.sensors.sync.sort_window_s);
+    s.stored.emplace_back(inspection_.objects, *stamp);
     // The clock of the first sensor of the best use seen so far.
     if (!reference_ || s.sensor.use < reference_->sensor.use) {
       reference_ = &s;

@@ -31,6 +31,13 @@ struct CameraInspection {
   std::uint64_t embedded = 0, external = 0, external_missing = 0;
 };
 
+/// How far a clock is ahead of the one that the frames follow, as far as the order of the log
+/// tells: the truth is within `uncertainty_s`, but for what one sensor takes longer than another to
+/// be recorded.
+struct ClockTie {
+  double offset_s = 0.0, uncertainty_s = 0.0;
+};
+
 /// One sensor label with one class of observation.
 struct SensorInspection {
   std::string label, class_name;
@@ -44,10 +51,12 @@ struct SensorInspection {
   std::optional<Stamp> longest_gap_at;
   /// Steps back by more than SyncParams::sort_window_s.
   std::uint64_t jumps_back = 0;
-  /// Where its stamps stand against those of the sensor that the frames follow, when that one's
-  /// last observation was stored before: the median.
+  /// Where its stamps stand against those of the sensor that the frames follow; 0 for the same
+  /// clock.
   double clock_offset_s = 0.0;
   bool other_clock = false;
+  /// Empty for the same clock, and where nothing in the log ties the two.
+  std::optional<ClockTie> clock_tie;
   std::optional<Pose3> T_base_sensor;  ///< the first observation's
   std::uint64_t pose_changes = 0;
   std::optional<ScanInspection> scan;
@@ -114,7 +123,7 @@ std::size_t clockCount(const Inspection& inspection);
 
 /// Reads the log twice: its objects, and as dynemo-slam reads it. Throws DataError when the file
 /// cannot be read at all, and ConfigError for wrong parameters; what is wrong inside of the file is
-/// a finding. Memory grows by 8 bytes per observation.
+/// a finding. Memory grows by 32 bytes per observation.
 Inspection inspectRawlog(const std::filesystem::path& rawlog, const InspectionParams& params);
 
 /// A table for people.
