@@ -30,6 +30,13 @@ Json covarianceOrNull(const std::optional<Matrix6>& covariance) {
   return rows;
 }
 
+Json alternativeJson(const Whereabouts& w) {
+  if (!w.alternative) return {};
+  return {{"T_map_entity", poseJson(w.alternative->T_map_entity)},
+          {"covariance", covarianceOrNull(w.alternative->covariance)},
+          {"presence", w.alternative->presence}};
+}
+
 Json whereaboutsJson(const Whereabouts& w) {
   return {{"entity", w.entity.value},
           {"name", w.name},
@@ -38,7 +45,9 @@ Json whereaboutsJson(const Whereabouts& w) {
           {"covariance", covarianceOrNull(w.covariance)},
           {"last_seen", stampOrNull(w.last_seen)},
           {"next_seen", stampOrNull(w.next_seen)},
-          {"presence", w.presence}};
+          {"presence", w.presence},
+          {"alternative", alternativeJson(w)},
+          {"carried", w.carried()}};
 }
 
 std::string text(const Json& json) { return json.dump(2) + "\n"; }
@@ -60,7 +69,8 @@ std::string movedJson(const std::vector<Move>& moves) {
                     {"T_map_after", poseJson(m.T_map_after)},
                     {"distance_m", m.distance()},
                     {"last_before", m.last_before.text()},
-                    {"first_after", m.first_after.text()}});
+                    {"first_after", m.first_after.text()},
+                    {"probability", m.probability}});
   }
   return text({{"moves", list}});
 }
@@ -108,6 +118,7 @@ std::string differenceJson(const SessionDifference& difference) {
   }
   return text({{"T_mapB_mapA", poseJson(difference.T_mapB_mapA)},
                {"agreeing", agreeing},
+               {"common", difference.common},
                {"rms_m", difference.rms_m},
                {"objects", objects}});
 }

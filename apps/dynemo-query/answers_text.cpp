@@ -66,7 +66,12 @@ std::string whereText(const Whereabouts& w, Stamp at, Stamp begin) {
   };
   text += "last seen   " + seen(w.last_seen);
   text += "next seen   " + seen(w.next_seen);
-  return text + "still there " + percent(w.presence) + " %\n";
+  text += "still there " + percent(w.presence) + " %\n";
+  if (!w.alternative) return text;
+  const Vector3& p = w.alternative->T_map_entity.t;
+  text += "or at       " + fixed(p.x(), 3) + ' ' + fixed(p.y(), 3) + ' ' + fixed(p.z(), 3) +
+          " m, " + percent(w.alternative->presence) + " %\n";
+  return text + "on its way  " + percent(w.carried()) + " %\n";
 }
 
 std::string movedText(const std::vector<Move>& moves, Stamp begin) {
@@ -78,11 +83,11 @@ std::string movedText(const std::vector<Move>& moves, Stamp begin) {
     add(row, position(m.T_map_after));
     add(row, {fixed(m.distance(), 3),
               fixed(degrees(rotationAngle(m.T_map_before.inverse() * m.T_map_after)), 1),
-              after(begin, m.last_before), after(begin, m.first_after)});
+              after(begin, m.last_before), after(begin, m.first_after), percent(m.probability)});
     rows.push_back(row);
   }
   return textTable({"id", "name", "from x", "y", "z", "to x", "y", "z", "moved [m]", "turned [deg]",
-                    "after [s]", "before [s]"},
+                    "after [s]", "before [s]", "then [%]"},
                    rows);
 }
 
@@ -130,7 +135,8 @@ std::string entitiesText(const std::vector<Whereabouts>& all, Stamp begin) {
 
 std::string differenceText(const SessionDifference& difference) {
   const Pose3& T = difference.T_mapB_mapA;
-  std::string text = "aligned by " + std::to_string(difference.agreeing.size()) + " objects, rms " +
+  std::string text = "aligned by " + std::to_string(difference.agreeing.size()) + " of " +
+                     std::to_string(difference.common) + " objects in common, rms " +
                      fixed(difference.rms_m, 3) + " m; map of A in B: " + fixed(T.t.x(), 3) + ' ' +
                      fixed(T.t.y(), 3) + ' ' + fixed(T.t.z(), 3) + " m, yaw " +
                      fixed(degrees(yaw(T)), 2) + " deg\n";

@@ -13,6 +13,10 @@ void fields(FieldVisitor& v, QueryParams& p) {
   v.number("false_probability", p.false_probability,
            "How often a place that an object has left looks occupied in a scan",
            Range::between(0.001, 0.5));
+  v.number("missed_prior_looks", p.missed_prior_looks,
+           "How often an object is missed is learnt while it is known to be there; this many scans "
+           "weigh as much as missed_probability",
+           Range::positive());
   v.integer("min_rays", p.min_rays, "Rays through a place that a scan takes to say anything of it",
             Range::between(1, 100000));
   v.number("max_range_m", p.max_range_m, "Scans from further away say nothing of a place",
@@ -28,6 +32,16 @@ void fields(FieldVisitor& v, QueryParams& p) {
            Range::nonNegative());
   v.angle("min_move_deg", p.min_move_rad, "Smaller rotations of an object are no move",
           Range::nonNegative());
+  v.number("noise_mahalanobis2", p.noise_mahalanobis2,
+           "Displacements up to this squared Mahalanobis distance are no move",
+           Range::nonNegative());
+  v.number(
+      "max_slip_m", p.max_slip_m,
+      "Displacements up to this are no move when fewer sightings show them than its place before "
+      "and after, or a single one in the beginning or the end",
+      Range::nonNegative());
+  v.number("object_carry_mps", p.object_carry_mps, "How fast objects are carried",
+           Range::positive());
   v.number("same_move_s", p.same_move_s, "Moves that follow each other this soon are one",
            Range::nonNegative());
 }

@@ -47,9 +47,15 @@ std::vector<Look> reversed(std::vector<Look> looks, double span_s) {
 }
 
 /// Looks at the place an object left say when it left; looks at the place it came to say when it
-/// came, which is the same time: a place that is occupied by the object is one that it has reached.
-std::vector<Look> merged(std::vector<Look> left, const std::vector<Look>& reached) {
-  for (const Look& look : reached) left.push_back({look.after_s, 1.0 / look.likelihood_ratio});
+/// came, which is `carried_s` later: a place that is occupied by the object is one that it has
+/// reached.
+std::vector<Look> merged(std::vector<Look> left, const std::vector<Look>& reached,
+                         double carried_s) {
+  for (const Look& look : reached) {
+    // So early it cannot have come, whatever is seen there.
+    if (look.after_s <= carried_s) continue;
+    left.push_back({look.after_s - carried_s, 1.0 / look.likelihood_ratio});
+  }
   std::stable_sort(left.begin(), left.end(),
                    [](const Look& a, const Look& b) { return a.after_s < b.after_s; });
   return left;
@@ -131,6 +137,20 @@ Whereabouts SceneQuery::whereIsAgent(const EntityTrack& track, Stamp at) const {
   return w;
 }
 
+SceneQuery::Looks SceneQuery::looksOf(const EntityTrack& track,
+                                      const std::vector<Stay>& stays) const {
+  Looks looks{extentOf(fragmentPoints(graph_, track)), params_};
+  if (looks.extent)
+    looks.params.missed_probability = missedProbability(graph_, stays, *looks.extent, params_);
+  return looks;
+}
+
+std::vector<Look> SceneQuery::looksAtPlace(const Looks& looks, const Stay& place, Stamp from,
+                                           Stamp to) const {
+  if (!looks.extent) return {};
+  return looksAt(graph_, place.T_map_entity, *looks.extent, from, to, looks.params);
+}
+
 Whereabouts SceneQuery::whereIsObject(const EntityTrack& track, Stamp at) const {
   const Around seen = around(track, at);
   Whereabouts w = identified(track, seen);
@@ -146,42 +166,72 @@ Whereabouts SceneQuery::whereIsObject(const EntityTrack& track, Stamp at) const 
   while (k + 1 < stays.size() && stays[k + 1].first_seen <= at) ++k;
   const Stay& stay = stays[k];
   if (at >= stay.first_seen && at <= stay.last_seen) return there(stay, 1.0);
+  if (at > stay.last_seen && k + 1 < stays.size())
+    return whereInBetween(track, stays, k, at, std::move(w));
 
-  const auto extent = extentOf(fragmentPoints(graph_, track));
-  const auto looks = [&](const Stay& place, Stamp from, Stamp to) {
-    return extent ? looksAt(graph_, place.T_map_entity, *extent, from, to, params_)
-                  : std::vector<Look>();
-  };
+  const Looks looks = looksOf(track, stays);
   DeparturePrior prior;
   prior.moves = static_cast<double>(stays.size() - 1);
   prior.residence_s = params_.object_residence_s;
   prior.observed_s = secondsBetween(stays.front().first_seen, stays.back().last_seen);
-  const Stamp beyond{std::max(end_.ns, at.ns) + 1};
-
   if (at < stay.first_seen) {  // before the first observation, with time running backwards
     const Stamp start{std::min(begin_.ns, at.ns) - 1};
     const double span_s = secondsBetween(start, stay.first_seen);
-    return there(stay,
-                 presenceProbability(prior, reversed(looks(stay, start, stay.first_seen), span_s),
-                                     secondsBetween(at, stay.first_seen)));
+    const auto seen_there = reversed(looksAtPlace(looks, stay, start, stay.first_seen), span_s);
+    return there(stay, presenceProbability(prior, seen_there, secondsBetween(at, stay.first_seen)));
   }
-  const double after_s = secondsBetween(stay.last_seen, at);
-  if (k + 1 == stays.size()) {
-    return there(stay, presenceProbability(prior, looks(stay, stay.last_seen, beyond), after_s));
+  const Stamp beyond{std::max(end_.ns, at.ns) + 1};
+  return there(stay, presenceProbability(prior, looksAtPlace(looks, stay, stay.last_seen, beyond),
+                                         secondsBetween(stay.last_seen, at)));
+}
+
+/// What is believed of the time between two stays at different places.
+struct SceneQuery::Journey {
+  DeparturePrior prior;
+  std::vector<Look> looks;
+  double gap_s = 0.0, carried_s = 0.0;
+
+  /// All in seconds after the object was last seen at the place it left.
+  double notLeft(double after_s) const { return presenceProbability(prior, looks, after_s); }
+  double arrived(double after_s) const {
+    return after_s <= carried_s ? 0.0 : 1.0 - notLeft(after_s - carried_s);
   }
-  const Stay& next = stays[k + 1];
-  const double gap_s = secondsBetween(stay.last_seen, next.first_seen);
+};
+
+SceneQuery::Journey SceneQuery::journey(const EntityTrack& track, const std::vector<Stay>& stays,
+                                        std::size_t k) const {
+  const Stay &left = stays[k], &reached = stays[k + 1];
+  const Looks looks = looksOf(track, stays);
+  Journey j;
+  j.gap_s = secondsBetween(left.last_seen, reached.first_seen);
+  const double distance_m = (reached.T_map_entity.t - left.T_map_entity.t).norm();
+  j.carried_s = std::min(distance_m / params_.object_carry_mps, 0.5 * j.gap_s);
+  j.prior.gone_by_s = j.gap_s - j.carried_s;
+  j.looks = merged(looksAtPlace(looks, left, left.last_seen, reached.first_seen),
+                   looksAtPlace(looks, reached, left.last_seen, reached.first_seen), j.carried_s);
+  return j;
+}
+
+Whereabouts SceneQuery::whereInBetween(const EntityTrack& track, const std::vector<Stay>& stays,
+                                       std::size_t k, Stamp at, Whereabouts w) const {
+  const Stay &left = stays[k], &reached = stays[k + 1];
+  const double after_s = secondsBetween(left.last_seen, at);
+  const double gap_s = secondsBetween(left.last_seen, reached.first_seen);
   if (gap_s <= params_.same_move_s) {  // moved while it was in view
-    there(stay, 1.0);
-    w.T_map_entity = interpolate(stay.T_map_entity, next.T_map_entity, after_s / gap_s);
+    w.T_map_entity = interpolate(left.T_map_entity, reached.T_map_entity, after_s / gap_s);
+    w.covariance = left.covariance;
+    w.presence = 1.0;
     return w;
   }
-  prior.gone_by_s = gap_s;
-  const double not_left = presenceProbability(prior,
-                                              merged(looks(stay, stay.last_seen, next.first_seen),
-                                                     looks(next, stay.last_seen, next.first_seen)),
-                                              after_s);
-  return not_left >= 0.5 ? there(stay, not_left) : there(next, 1.0 - not_left);
+  const Journey j = journey(track, stays, k);
+  Candidate old{left.T_map_entity, left.covariance, j.notLeft(after_s)};
+  Candidate other{reached.T_map_entity, reached.covariance, j.arrived(after_s)};
+  if (other.presence > old.presence) std::swap(old, other);
+  w.T_map_entity = old.T_map_entity;
+  w.covariance = old.covariance;
+  w.presence = old.presence;
+  w.alternative = other;
+  return w;
 }
 
 std::vector<Move> SceneQuery::movesOf(EntityId object) const {
@@ -211,11 +261,30 @@ std::vector<Move> SceneQuery::movesOf(EntityId object) const {
   return moves;
 }
 
+double SceneQuery::probabilityDuring(const Move& move, Stamp from, Stamp to) const {
+  if (from <= move.last_before && move.first_after <= to) return 1.0;
+  const EntityTrack& track = trackOf(move.entity);
+  const std::vector<Stay> stays = staysOf(track, covariances_, params_);
+  std::size_t k = 0;
+  while (k + 1 < stays.size() && stays[k].last_seen < move.last_before) ++k;
+  const double gap_s = secondsBetween(move.last_before, move.first_after);
+  const bool watched = k + 1 >= stays.size() || stays[k + 1].first_seen != move.first_after ||
+                       gap_s <= params_.same_move_s;
+  if (watched) return 1.0;  // on its way all the time
+  const Journey j = journey(track, stays, k);
+  const double from_s = secondsBetween(move.last_before, from);
+  const double to_s = secondsBetween(move.last_before, to);
+  // It left before the end of the window, and had not arrived at its beginning.
+  return std::clamp(1.0 - j.notLeft(to_s) - j.arrived(from_s), 0.0, 1.0);
+}
+
 std::vector<Move> SceneQuery::moved(Stamp from, Stamp to) const {
   std::vector<Move> moves;
   for (const auto& [id, track] : graph_.tracks()) {
-    for (const Move& move : movesOf(id)) {
-      if (move.last_before <= to && move.first_after >= from) moves.push_back(move);
+    for (Move& move : movesOf(id)) {
+      if (move.last_before > to || move.first_after < from) continue;
+      move.probability = probabilityDuring(move, from, to);
+      moves.push_back(std::move(move));
     }
   }
   return moves;

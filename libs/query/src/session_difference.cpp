@@ -8,7 +8,7 @@
 namespace dynemo {
 namespace {
 
-/// An object of both sessions: where A left it and where B found it first.
+/// An object of both sessions: a place where A saw it and one where B did.
 struct Pair {
   EntityId entity{};
   Pose3 T_a_entity, T_b_entity;
@@ -18,16 +18,25 @@ bool isObject(const EntityTrack& track) {
   return track.front()->semantic_class == SemanticClass::kObject;
 }
 
-std::vector<Pair> commonObjects(const CSceneGraph& a, const SceneQuery& query_a,
-                                const CSceneGraph& b, const SceneQuery& query_b) {
-  std::vector<Pair> pairs;
+/// By object all pairs of its places, since it may have moved and come back in either session.
+using CommonObjects = std::vector<std::vector<Pair>>;
+
+CommonObjects commonObjects(const CSceneGraph& a, const SceneQuery& query_a, const CSceneGraph& b,
+                            const SceneQuery& query_b) {
+  CommonObjects objects;
   for (const auto& [id, track] : a.tracks()) {
     const auto in_b = b.tracks().find(id);
     if (in_b == b.tracks().end() || !isObject(track) || !isObject(in_b->second)) continue;
-    pairs.push_back(
-        {id, query_a.stays(id).back().T_map_entity, query_b.stays(id).front().T_map_entity});
+    std::vector<Pair>& pairs = objects.emplace_back();
+    for (const Stay& place_a : query_a.stays(id))
+      for (const Stay& place_b : query_b.stays(id))
+        pairs.push_back({id, place_a.T_map_entity, place_b.T_map_entity});
   }
-  return pairs;
+  return objects;
+}
+
+double distance(const Pose3& T_b_a, const Pair& pair) {
+  return (T_b_a * pair.T_a_entity.t - pair.T_b_entity.t).norm();
 }
 
 bool agrees(const Pose3& T_b_a, const Pair& pair, const DifferenceParams& params) {
@@ -36,11 +45,17 @@ bool agrees(const Pose3& T_b_a, const Pair& pair, const DifferenceParams& params
          rotationAngle(T_b_entityA.inverse() * pair.T_b_entity) <= params.max_rotation_rad;
 }
 
-std::vector<Pair> agreeing(const Pose3& T_b_a, const std::vector<Pair>& pairs,
+/// Of each object that agrees its nearest pair.
+std::vector<Pair> agreeing(const Pose3& T_b_a, const CommonObjects& objects,
                            const DifferenceParams& params) {
   std::vector<Pair> list;
-  for (const Pair& pair : pairs) {
-    if (agrees(T_b_a, pair, params)) list.push_back(pair);
+  for (const std::vector<Pair>& pairs : objects) {
+    const Pair* nearest = nullptr;
+    for (const Pair& pair : pairs) {
+      if (!agrees(T_b_a, pair, params)) continue;
+      if (!nearest || distance(T_b_a, pair) < distance(T_b_a, *nearest)) nearest = &pair;
+    }
+    if (nearest) list.push_back(*nearest);
   }
   return list;
 }
@@ -65,7 +80,7 @@ Pose3 bestMotion(const std::vector<Pair>& pairs, const DifferenceParams& params)
 
 double rmsDistance(const Pose3& T_b_a, const std::vector<Pair>& pairs) {
   double sum = 0.0;
-  for (const Pair& p : pairs) sum += (T_b_a * p.T_a_entity.t - p.T_b_entity.t).squaredNorm();
+  for (const Pair& p : pairs) sum += distance(T_b_a, p) * distance(T_b_a, p);
   return pairs.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(pairs.size()));
 }
 
@@ -76,12 +91,12 @@ struct Alignment {
 };
 
 /// Refines until the set of agreeing objects stays the same.
-Alignment refined(Pose3 T_b_a, const std::vector<Pair>& pairs, const DifferenceParams& params) {
+Alignment refined(Pose3 T_b_a, const CommonObjects& objects, const DifferenceParams& params) {
   constexpr int kMostRounds = 20;
-  std::vector<Pair> set = agreeing(T_b_a, pairs, params);
+  std::vector<Pair> set = agreeing(T_b_a, objects, params);
   for (int round = 0; round < kMostRounds && !set.empty(); ++round) {
     T_b_a = bestMotion(set, params);
-    std::vector<Pair> next = agreeing(T_b_a, pairs, params);
+    std::vector<Pair> next = agreeing(T_b_a, objects, params);
     const bool same = next.size() == set.size();
     set = std::move(next);
     if (same) break;
@@ -89,12 +104,15 @@ Alignment refined(Pose3 T_b_a, const std::vector<Pair>& pairs, const DifferenceP
   return {T_b_a, set, rmsDistance(T_b_a, set)};
 }
 
-/// Hypotheses from every object alone and, while they are not too many, from every two objects: all
-/// of them, so that nothing is left to chance.
-Alignment align(const std::vector<Pair>& pairs, const DifferenceParams& params) {
+/// Hypotheses from every pair of places alone and, while they are not too many, from every two: all
+/// of them, so that nothing is left to chance. The best is the one on which most objects agree, and
+/// all of those make it up.
+Alignment align(const CommonObjects& objects, const DifferenceParams& params) {
+  std::vector<Pair> pairs;
+  for (const auto& of_one : objects) pairs.insert(pairs.end(), of_one.begin(), of_one.end());
   Alignment best;
   const auto consider = [&](const std::vector<Pair>& sample) {
-    const Alignment found = refined(bestMotion(sample, params), pairs, params);
+    const Alignment found = refined(bestMotion(sample, params), objects, params);
     if (found.agreeing.size() > best.agreeing.size() ||
         (found.agreeing.size() == best.agreeing.size() && found.rms_m < best.rms_m)) {
       best = found;
@@ -104,7 +122,8 @@ Alignment align(const std::vector<Pair>& pairs, const DifferenceParams& params) 
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     consider({pairs[i]});
     if (pairs.size() > kMostForPairs) continue;
-    for (std::size_t j = i + 1; j < pairs.size(); ++j) consider({pairs[i], pairs[j]});
+    for (std::size_t j = i + 1; j < pairs.size(); ++j)
+      if (pairs[j].entity != pairs[i].entity) consider({pairs[i], pairs[j]});
   }
   return best;
 }
@@ -173,16 +192,17 @@ const char* changeName(ObjectChange change) {
 Expected<SessionDifference, std::string> difference(const Session& a, const Session& b,
                                                     const DifferenceParams& params) {
   const SceneQuery query_a(a, params.query), query_b(b, params.query);
-  const std::vector<Pair> pairs = commonObjects(a.graph, query_a, b.graph, query_b);
-  const Alignment alignment = align(pairs, params);
+  const CommonObjects common = commonObjects(a.graph, query_a, b.graph, query_b);
+  const Alignment alignment = align(common, params);
   if (alignment.agreeing.size() < static_cast<std::size_t>(params.min_agreeing)) {
-    return make_unexpected("the sessions cannot be aligned: of " + std::to_string(pairs.size()) +
+    return make_unexpected("the sessions cannot be aligned: of " + std::to_string(common.size()) +
                            " objects in common, " + std::to_string(alignment.agreeing.size()) +
                            " agree on one motion; it takes " + std::to_string(params.min_agreeing));
   }
   SessionDifference result;
   result.T_mapB_mapA = alignment.T_b_a;
   result.rms_m = alignment.rms_m;
+  result.common = common.size();
   for (const Pair& pair : alignment.agreeing) result.agreeing.push_back(pair.entity);
   const Side side_a{a.graph, query_a}, side_b{b.graph, query_b};
   for (const EntityId id : allObjects(a.graph, b.graph)) {

@@ -75,4 +75,19 @@ std::vector<Look> looksAt(const CSceneGraph& graph, const Pose3& T_map_entity, c
   return looks;
 }
 
+double missedProbability(const CSceneGraph& graph, const std::vector<Stay>& stays,
+                         const Extent& extent, const QueryParams& params) {
+  double empty = params.missed_probability * params.missed_prior_looks;
+  double all = params.missed_prior_looks;
+  for (const Stay& stay : stays) {
+    const Stamp from{stay.first_seen.ns - 1}, to{stay.last_seen.ns + 1};
+    for (const Look& look : looksAt(graph, stay.T_map_entity, extent, from, to, params)) {
+      empty += look.likelihood_ratio < 1.0 ? 1.0 : 0.0;
+      all += 1.0;
+    }
+  }
+  // A place that looks empty is never a sign that something stands there.
+  return std::min(empty / all, 1.0 - params.false_probability);
+}
+
 }  // namespace dynemo

@@ -1,5 +1,7 @@
 #include "dynemo/query/stays.h"
 
+#include <Eigen/Dense>
+#include <algorithm>
 #include <limits>
 
 namespace dynemo {
@@ -10,9 +12,25 @@ double spread(const std::optional<Matrix6>& covariance) {
                     : std::numeric_limits<double>::infinity();
 }
 
-bool isMove(const Pose3& T_before, const Pose3& T_after, const QueryParams& params) {
-  const Pose3 step = T_before.inverse() * T_after;
-  return step.t.norm() > params.min_move_m || rotationAngle(step) > params.min_move_rad;
+/// Squared Mahalanobis distance of two estimates; infinite where a covariance is unknown.
+double mahalanobis2(const Stay& a, const Stay& b) {
+  if (!a.covariance || !b.covariance) return std::numeric_limits<double>::infinity();
+  Matrix6 R_a_b = Matrix6::Zero();  // the other's own axes in these
+  R_a_b.topLeftCorner<3, 3>() = R_a_b.bottomRightCorner<3, 3>() =
+      a.T_map_entity.R.transpose() * b.T_map_entity.R;
+  const Matrix6 sum = *a.covariance + R_a_b * *b.covariance * R_a_b.transpose();
+  const Vector6 step = local(a.T_map_entity, b.T_map_entity);
+  return step.dot(sum.ldlt().solve(step));
+}
+
+double distance(const Stay& a, const Stay& b) {
+  return (a.T_map_entity.t - b.T_map_entity.t).norm();
+}
+
+bool isMove(const Stay& before, const Stay& after, const QueryParams& params) {
+  const Pose3 step = before.T_map_entity.inverse() * after.T_map_entity;
+  return (step.t.norm() > params.min_move_m || rotationAngle(step) > params.min_move_rad) &&
+         mahalanobis2(before, after) > params.noise_mahalanobis2;
 }
 
 /// Both stays as one, at the better known place.
@@ -22,6 +40,52 @@ Stay joined(const Stay& a, const Stay& b) {
   stay.last_seen = b.last_seen;
   stay.observations = a.observations + b.observations;
   return stay;
+}
+
+/// Those that differ from the one before, each with what does not.
+std::vector<Stay> joinedWhereUnmoved(const std::vector<Stay>& stays, const QueryParams& params) {
+  std::vector<Stay> list;
+  for (const Stay& stay : stays) {
+    if (!list.empty() && !isMove(list.back(), stay, params)) {
+      list.back() = joined(list.back(), stay);
+    } else {
+      list.push_back(stay);
+    }
+  }
+  return list;
+}
+
+/// Whether the sightings of stay `i` were wrong: not far from where the object was seen more often
+/// before and after, or a single one in the beginning or the end.
+bool isSlip(const std::vector<Stay>& stays, std::size_t i, const QueryParams& params) {
+  const Stay& stay = stays[i];
+  const Stay* before = i > 0 ? &stays[i - 1] : nullptr;
+  const Stay* after = i + 1 < stays.size() ? &stays[i + 1] : nullptr;
+  const auto near = [&](const Stay* other) {
+    return other && distance(*other, stay) <= params.max_slip_m;
+  };
+  if (before && after)
+    return stay.observations <= std::min(before->observations, after->observations) &&
+           near(before) && !isMove(*before, *after, params);
+  const Stay* other = before ? before : after;
+  return stay.observations == 1 && near(other) && other->observations > 1;
+}
+
+/// The object was seen, but not moved, where a sighting was wrong.
+std::vector<Stay> withoutSlips(const std::vector<Stay>& stays, const QueryParams& params) {
+  std::vector<Stay> list;
+  for (std::size_t i = 0; i < stays.size(); ++i) {
+    if (!isSlip(stays, i, params)) {
+      list.push_back(stays[i]);
+      continue;
+    }
+    Stay seen = stays[i];
+    const Stay& place = i > 0 ? stays[i - 1] : stays[i + 1];
+    seen.T_map_entity = place.T_map_entity;
+    seen.covariance = place.covariance;
+    list.push_back(seen);
+  }
+  return joinedWhereUnmoved(list, params);
 }
 
 }  // namespace
@@ -43,15 +107,7 @@ std::vector<Stay> staysOf(const EntityTrack& track, const std::map<NodeId, Matri
       stays.push_back(seen);
     }
   }
-  std::vector<Stay> confirmed;
-  for (const Stay& stay : stays) {
-    if (!confirmed.empty() && !isMove(confirmed.back().T_map_entity, stay.T_map_entity, params)) {
-      confirmed.back() = joined(confirmed.back(), stay);
-    } else {
-      confirmed.push_back(stay);
-    }
-  }
-  return confirmed;
+  return withoutSlips(joinedWhereUnmoved(stays, params), params);
 }
 
 }  // namespace dynemo

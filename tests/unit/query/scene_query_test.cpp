@@ -61,10 +61,22 @@ TEST(SceneQuery, BetweenTwoPlacesTheNearerInTimeIsMoreProbable) {
   const SessionBuilder builder = movedBox();
   const SceneQuery query(builder.session);
   const Whereabouts early = query.where({3}, at(4.0)), late = query.where({3}, at(11.0));
+  // It is carried for a second, some time of the ten.
   EXPECT_EQ(early.T_map_entity.t, kA);
-  EXPECT_NEAR(early.presence, 0.8, 1e-9);
+  EXPECT_NEAR(early.presence, 7.0 / 9.0, 1e-9);
+  ASSERT_TRUE(early.alternative);
+  EXPECT_EQ(early.alternative->T_map_entity.t, kB);
+  EXPECT_NEAR(early.alternative->presence, 1.0 / 9.0, 1e-9);
+  EXPECT_NEAR(early.carried(), 1.0 / 9.0, 1e-9);
   EXPECT_EQ(late.T_map_entity.t, kB);
-  EXPECT_NEAR(late.presence, 0.9, 1e-9);
+  EXPECT_NEAR(late.presence, 8.0 / 9.0, 1e-9);
+  ASSERT_TRUE(late.alternative);
+  EXPECT_EQ(late.alternative->T_map_entity.t, kA);
+  EXPECT_NEAR(late.alternative->presence, 0.0, 1e-9);
+  EXPECT_NEAR(late.carried(), 1.0 / 9.0, 1e-9);
+  // Where it is known there is no other place.
+  EXPECT_FALSE(query.where({3}, at(1.0)).alternative);
+  EXPECT_FALSE(query.where({3}, at(30.0)).alternative);
 }
 
 TEST(SceneQuery, PresenceDecaysFasterForWhatMoved) {
@@ -132,6 +144,103 @@ TEST(SceneQuery, TellsMovesWithTheirWindow) {
   EXPECT_EQ(query.moved(at(0.0), at(1.0)).size(), 0u);
   EXPECT_EQ(query.moved(at(5.0), at(6.0)).size(), 1u);
   EXPECT_EQ(query.moved(at(13.0), at(30.0)).size(), 0u);
+}
+
+TEST(SceneQuery, TellsHowLikelyAMoveHappenedThen) {
+  const SessionBuilder builder = movedBox();
+  const SceneQuery query(builder.session);
+  const auto likely = [&](double from, double to) {
+    return query.moved(at(from), at(to)).at(0).probability;
+  };
+  EXPECT_EQ(likely(0.0, 30.0), 1.0);
+  EXPECT_EQ(likely(2.0, 12.0), 1.0);
+  // It left at some time from 2 to 11 s and came a second later.
+  EXPECT_NEAR(likely(2.0, 6.5), 4.5 / 9.0, 1e-9);
+  EXPECT_NEAR(likely(6.5, 12.0), 5.5 / 9.0, 1e-9);
+  EXPECT_NEAR(likely(5.0, 7.0), 3.0 / 9.0, 1e-9);
+}
+
+TEST(SceneQuery, ScansTellWhenAMoveHappened) {
+  SessionBuilder builder;
+  builder.scan(0.0, {kA});
+  builder.see(4, 0.0, place(kA));
+  for (const double t : {10.0, 20.0, 30.0}) builder.scan(t, {kA});
+  for (const double t : {40.0, 50.0, 60.0}) builder.scan(t, {kB});
+  builder.scan(100.0, {kB});
+  builder.see(4, 100.0, place(kB), true);
+  const SceneQuery query(builder.session);
+  EXPECT_GT(query.moved(at(29.0), at(41.0)).at(0).probability, 0.9);
+  EXPECT_LT(query.moved(at(0.0), at(29.0)).at(0).probability, 0.05);
+  EXPECT_LT(query.moved(at(41.0), at(100.0)).at(0).probability, 0.05);
+}
+
+/// A box at A, then some sightings elsewhere, then at A again as often as before.
+std::size_t movesAfter(const std::vector<Vector3>& elsewhere, bool comes_back) {
+  SessionBuilder builder;
+  builder.keyframe(0.0);
+  for (int i = 0; i < 4; ++i) builder.see(3, i, place(kA));
+  double t = 10.0;
+  bool moved = true;
+  for (const Vector3& p : elsewhere) {
+    builder.see(3, t++, place(p), moved);
+    moved = false;
+  }
+  for (int i = 0; comes_back && i < 4; ++i) builder.see(3, 30.0 + i, place(kA), i == 0);
+  const SceneQuery query(builder.session);
+  EXPECT_GT(query.where({3}, at(10.0)).presence, 0.999);
+  if (query.moved().empty()) {
+    EXPECT_EQ(query.where({3}, at(10.0)).T_map_entity.t, kA);
+  }
+  return query.moved().size();
+}
+
+TEST(SceneQuery, AWrongSightingIsNoMove) {
+  const Vector3 beside = kA + Vector3(0.19, 0.0, 0.0), away = kA + Vector3(0.0, 1.0, 0.0);
+  EXPECT_EQ(movesAfter({beside}, true), 0u);
+  EXPECT_EQ(movesAfter({beside, beside}, true), 0u) << "fewer than before and after";
+  EXPECT_EQ(movesAfter({beside}, false), 0u);
+  EXPECT_EQ(movesAfter({beside, beside}, false), 1u) << "confirmed";
+  EXPECT_EQ(movesAfter({away}, true), 2u) << "further than a sighting is wrong by";
+  EXPECT_EQ(movesAfter({away}, false), 1u);
+}
+
+TEST(SceneQuery, AWrongSightingInTheBeginningIsNoMove) {
+  SessionBuilder builder;
+  builder.keyframe(0.0);
+  builder.see(3, 0.0, place(kA + Vector3(0.16, 0.0, 0.0)));
+  builder.see(3, 1.0, place(kA), true);
+  for (int i = 2; i < 5; ++i) builder.see(3, i, place(kA));
+  const SceneQuery query(builder.session);
+  EXPECT_TRUE(query.moved().empty());
+  EXPECT_EQ(query.where({3}, at(0.0)).T_map_entity.t, kA);
+}
+
+TEST(SceneQuery, WhatTheCovariancesExplainIsNoMove) {
+  SessionBuilder builder;
+  builder.keyframe(0.0);
+  for (int i = 0; i < 3; ++i) builder.see(3, i, place(kA));
+  for (int i = 3; i < 9; ++i) builder.see(3, i, place(kA + Vector3(0.1, 0.0, 0.0)), i == 3);
+  EXPECT_EQ(SceneQuery(builder.session).moved().size(), 1u);
+  for (auto& [node, covariance] : builder.session.entity_covariances) covariance *= 25.0;
+  EXPECT_TRUE(SceneQuery(builder.session).moved().empty());
+}
+
+/// Rays pass through the place of an object that is seen all the time, as through a table: that
+/// they do so afterwards says nothing.
+TEST(SceneQuery, AnObjectThatScansMissIsNotGoneForThem) {
+  const auto presence = [](bool missed_while_seen) {
+    SessionBuilder builder;
+    builder.scan(0.0, {kA});
+    builder.see(4, 0.0, place(kA));
+    for (int i = 1; i <= 20; ++i) {
+      builder.scan(i, missed_while_seen ? std::vector<Vector3>() : std::vector<Vector3>{kA});
+      builder.see(4, i, place(kA));
+    }
+    for (int i = 21; i <= 25; ++i) builder.scan(i, {});
+    return SceneQuery(builder.session).where({4}, at(26.0)).presence;
+  };
+  EXPECT_LT(presence(false), 0.01);
+  EXPECT_GT(presence(true), 0.9);
 }
 
 TEST(SceneQuery, NamesNoMoveThatTheFinalEstimatesTakeBack) {

@@ -80,6 +80,22 @@ TEST(SessionDifference, AnObjectOfBIsComparedWithWhereBFoundItFirst) {
   EXPECT_EQ(byId(*found)[1].change, ObjectChange::kMoved);
 }
 
+TEST(SessionDifference, AlignsByAllPlacesThatAgree) {
+  // Objects 3 to 5 are carried away during both sessions, to the same places.
+  const auto session = [](const Pose3& T_world_map) {
+    SessionBuilder builder(T_world_map);
+    builder.keyframe(0.0);
+    for (const int id : {1, 2, 3, 4, 5}) builder.see(id, id, object(id));
+    for (const int id : {3, 4, 5}) builder.see(id, 60.0 + id, object(id + 4), true);
+    return builder.session;
+  };
+  const auto found = difference(session({}), session(T_world_mapB));
+  ASSERT_TRUE(found) << found.error();
+  EXPECT_EQ(found->agreeing.size(), 5u);
+  EXPECT_EQ(found->common, 5u);
+  for (const auto& o : found->objects) EXPECT_EQ(o.change, ObjectChange::kUnchanged) << o.name;
+}
+
 TEST(SessionDifference, SaysWhyThereIsNoAlignment) {
   SessionBuilder b;
   b.keyframe(0.0);

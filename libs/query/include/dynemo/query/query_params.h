@@ -12,6 +12,9 @@ struct QueryParams {
   /// how often a place that was left looks occupied.
   double missed_probability = 0.02;
   double false_probability = 0.2;
+  /// How often an object is missed is learnt from the scans of the time in which it was known to be
+  /// there; missed_probability weighs as much as so many of them.
+  double missed_prior_looks = 5.0;
   /// A scan says something about a place only with so many rays through it, and at most so far
   /// away.
   int min_rays = 8;
@@ -24,9 +27,17 @@ struct QueryParams {
   /// An agent is "still there" within this distance of where it is said to be.
   double agent_near_m = 0.5;
 
-  /// Displacements between the final estimates that are smaller than both are not called a move.
+  /// Displacements between the final estimates that are smaller than both are not called a move,
   double min_move_m = 0.05;
   double min_move_rad = 0.06;
+  /// nor those that their covariances explain: up to this squared Mahalanobis distance (chi-squared
+  /// of 6 degrees of freedom at 99 %),
+  double noise_mahalanobis2 = 16.8;
+  /// nor those up to here that fewer sightings show than its place before and after, to which it
+  /// came back, or a single one in the beginning or the end: a tag seen aslant may be that wrong.
+  double max_slip_m = 0.3;
+  /// How fast objects are carried from one place to another.
+  double object_carry_mps = 1.0;
   /// Moves of one object that follow each other within this time are one move, seen as it happened.
   double same_move_s = 5.0;
 };

@@ -8,10 +8,19 @@
 
 #include "dynemo/core/error.h"
 #include "dynemo/graph/session.h"
+#include "dynemo/query/entity_extent.h"
+#include "dynemo/query/persistence.h"
 #include "dynemo/query/query_params.h"
 #include "dynemo/query/stays.h"
 
 namespace dynemo {
+
+/// Another place at which an object may be.
+struct Candidate {
+  Pose3 T_map_entity;
+  std::optional<Matrix6> covariance;
+  double presence = 0.0;
+};
 
 /// An entity as the map believes it at one time.
 struct Whereabouts {
@@ -29,6 +38,12 @@ struct Whereabouts {
   /// How likely it is there at the time. Objects: that it has not left (or not yet come); agents:
   /// that it is within QueryParams::agent_near_m.
   double presence = 0.0;
+  /// Objects that were seen at one place before the time and at another one after it: that of the
+  /// two which is less probable. What is left of 1 is that the object is on its way.
+  std::optional<Candidate> alternative{};
+
+  /// How likely an object is on its way from one place to another.
+  double carried() const { return alternative ? 1.0 - presence - alternative->presence : 0.0; }
 };
 
 /// An object that was displaced.
@@ -38,6 +53,9 @@ struct Move {
   Pose3 T_map_before, T_map_after;
   /// It happened between these two observations.
   Stamp last_before, first_after;
+  /// How likely the object was on its way at some time of those that were asked for. It did move,
+  /// so that over all of last_before to first_after this is 1.
+  double probability = 1.0;
   double distance() const { return (T_map_after.t - T_map_before.t).norm(); }
 };
 
@@ -69,7 +87,8 @@ class SceneQuery {
   /// Where an entity is at a time, before its first observation too. Throws std::out_of_range for
   /// an unknown entity.
   Whereabouts where(EntityId entity, Stamp at) const;
-  /// The moves of objects whose window of time meets [from, to], by entity and time.
+  /// The moves of objects whose window of time meets [from, to], by entity and time, each with how
+  /// likely it happened then.
   std::vector<Move> moved(Stamp from, Stamp to) const;
   std::vector<Move> moved() const { return moved(begin_, end_); }
   /// The moves of one object in order of time; none of an agent, which moves by itself. Throws
@@ -87,6 +106,19 @@ class SceneQuery {
   const EntityTrack& trackOf(EntityId entity) const { return graph_.tracks().at(entity); }
   Whereabouts whereIsObject(const EntityTrack& track, Stamp at) const;
   Whereabouts whereIsAgent(const EntityTrack& track, Stamp at) const;
+  Whereabouts whereInBetween(const EntityTrack& track, const std::vector<Stay>& stays,
+                             std::size_t k, Stamp at, Whereabouts w) const;
+  double probabilityDuring(const Move& move, Stamp from, Stamp to) const;
+
+  /// What scans can say of one object.
+  struct Looks {
+    std::optional<Extent> extent;
+    QueryParams params;  ///< with how often this object is missed
+  };
+  Looks looksOf(const EntityTrack& track, const std::vector<Stay>& stays) const;
+  std::vector<Look> looksAtPlace(const Looks& looks, const Stay& place, Stamp from, Stamp to) const;
+  struct Journey;
+  Journey journey(const EntityTrack& track, const std::vector<Stay>& stays, std::size_t k) const;
 
   const CSceneGraph& graph_;
   const std::map<NodeId, Matrix6>& covariances_;

@@ -44,11 +44,14 @@ struct SessionDifference {
   /// The objects that the alignment stands on, and their root mean square distance under it.
   std::vector<EntityId> agreeing;
   double rms_m = 0.0;
+  /// Objects that both sessions saw.
+  std::size_t common = 0;
   std::vector<ObjectDifference> objects;
 };
 
 /// Compares the ends of two sessions. The maps are aligned by the largest set of common objects
-/// that agree on one rigid motion; the error says why there is none. Objects are the same by id.
+/// that agree on one rigid motion, each by some place where it stood in both; the error says why
+/// there is none. Objects are the same by id.
 Expected<SessionDifference, std::string> difference(const Session& a, const Session& b,
                                                     const DifferenceParams& params = {});
 

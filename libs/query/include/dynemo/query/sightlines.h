@@ -7,6 +7,7 @@
 #include "dynemo/query/entity_extent.h"
 #include "dynemo/query/persistence.h"
 #include "dynemo/query/query_params.h"
+#include "dynemo/query/stays.h"
 
 namespace dynemo {
 
@@ -27,5 +28,11 @@ std::optional<double> likelihoodRatio(const RayCount& rays, const QueryParams& p
 /// place, in seconds after `from`, ascending.
 std::vector<Look> looksAt(const CSceneGraph& graph, const Pose3& T_map_entity, const Extent& extent,
                           Stamp from, Stamp to, const QueryParams& params);
+
+/// How often the place of an object looks empty to scans while it is there, by those of the times
+/// in which it is known to be, from the first to the last sighting of each stay. Objects of which
+/// parts were taken that are not theirs, or through which rays pass, are missed more often.
+double missedProbability(const CSceneGraph& graph, const std::vector<Stay>& stays,
+                         const Extent& extent, const QueryParams& params);
 
 }  // namespace dynemo

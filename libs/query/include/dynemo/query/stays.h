@@ -20,7 +20,8 @@ struct Stay {
 };
 
 /// The stays of an object in order of time: a new one begins where the motion model found it moved
-/// and the final estimates agree that it did.
+/// and the final estimates agree that it did, by more than their covariances explain, and by more
+/// than one sighting may be wrong by where there is only one.
 std::vector<Stay> staysOf(const EntityTrack& track, const std::map<NodeId, Matrix6>& covariances,
                           const QueryParams& params);
 
