@@ -40,7 +40,7 @@ void fields(FieldVisitor& v, QueryParams& p) {
       "Displacements up to this are no move when fewer sightings show them than its place before "
       "and after, or a single one in the beginning or the end",
       Range::nonNegative());
-  v.number("object_carry_mps", p.object_carry_mps, "How fast objects are carried",
+  v.number("object_carry_mps", p.object_carry_mps, "How fast objects are carried, at most",
            Range::positive());
   v.number("same_move_s", p.same_move_s, "Moves that follow each other this soon are one",
            Range::nonNegative());

@@ -57,9 +57,16 @@ TEST(SceneQuery, AnObjectIsWhereItWasSeen) {
   EXPECT_NEAR((*w.covariance)(0, 0), 1e-4, 1e-12);
 }
 
+/// One second for the metre from A to B.
+QueryParams slowlyCarried() {
+  QueryParams params;
+  params.object_carry_mps = 1.0;
+  return params;
+}
+
 TEST(SceneQuery, BetweenTwoPlacesTheNearerInTimeIsMoreProbable) {
   const SessionBuilder builder = movedBox();
-  const SceneQuery query(builder.session);
+  const SceneQuery query(builder.session, slowlyCarried());
   const Whereabouts early = query.where({3}, at(4.0)), late = query.where({3}, at(11.0));
   // It is carried for a second, some time of the ten.
   EXPECT_EQ(early.T_map_entity.t, kA);
@@ -148,7 +155,7 @@ TEST(SceneQuery, TellsMovesWithTheirWindow) {
 
 TEST(SceneQuery, TellsHowLikelyAMoveHappenedThen) {
   const SessionBuilder builder = movedBox();
-  const SceneQuery query(builder.session);
+  const SceneQuery query(builder.session, slowlyCarried());
   const auto likely = [&](double from, double to) {
     return query.moved(at(from), at(to)).at(0).probability;
   };

@@ -36,8 +36,8 @@ struct QueryParams {
   /// nor those up to here that fewer sightings show than its place before and after, to which it
   /// came back, or a single one in the beginning or the end: a tag seen aslant may be that wrong.
   double max_slip_m = 0.3;
-  /// How fast objects are carried from one place to another.
-  double object_carry_mps = 1.0;
+  /// How fast objects are carried from one place to another, at most.
+  double object_carry_mps = 2.0;
   /// Moves of one object that follow each other within this time are one move, seen as it happened.
   double same_move_s = 5.0;
 };
