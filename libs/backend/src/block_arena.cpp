@@ -45,6 +45,8 @@ BlockArena::Pages BlockArena::map(std::size_t size) {
   void* const data = mmap(nullptr, size * sizeof(double), PROT_READ | PROT_WRITE,
                           MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (data == MAP_FAILED) throw std::bad_alloc();
+  // A fault for every small page costs more than a small front.
+  madvise(data, size * sizeof(double), MADV_HUGEPAGE);
   return Pages(static_cast<double*>(data), {size});
 }
 

@@ -40,8 +40,8 @@ class BlockArena {
   };
   using Pages = std::unique_ptr<double[], Unmap>;
 
-  static constexpr std::size_t kChunk = std::size_t{1} << 18;
-  static constexpr std::size_t kBig = kChunk / 4;
+  static constexpr std::size_t kChunk = std::size_t{1} << 20;
+  static constexpr std::size_t kBig = std::size_t{1} << 16;
   /// Four classes to every doubling.
   static constexpr int kClasses = 160;
 

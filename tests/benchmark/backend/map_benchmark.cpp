@@ -91,10 +91,8 @@ class GrownMap {
 
 /// After each of the keyframes that follow; the first ones, in which the method finds its feet, are
 /// not counted.
-void BM_Keyframe(benchmark::State& state, SolverParams::Method method, int warm_up) {
+void BM_Keyframe(benchmark::State& state, const SolverParams& params, int warm_up) {
   GrownMap map(static_cast<int>(state.range(0)));
-  SolverParams params;
-  params.method = method;
   Optimizer optimizer(params);
   for (int k = 0; k < warm_up; ++k) {
     map.grow();
@@ -192,16 +190,18 @@ void BM_Marginals(benchmark::State& state, bool all_nodes) {
     add("one_step", size, [](benchmark::State& s) { BM_Batch(s, 1); });
     add("to_convergence", size,
         [](benchmark::State& s) { BM_Batch(s, SolverParams{}.max_iterations); });
-    const auto keyframe = [&](const std::string& name, Method method, int warm_up, int count) {
+    const auto keyframe = [&](const std::string& name, const SolverParams& params, int warm_up,
+                              int count) {
       add(
-          "keyframe/" + name, size, [=](benchmark::State& s) { BM_Keyframe(s, method, warm_up); },
+          "keyframe/" + name, size, [=](benchmark::State& s) { BM_Keyframe(s, params, warm_up); },
           count);
     };
-    keyframe("batch", Method::kBatch, 2, 10);
+    keyframe("batch", {.method = Method::kBatch}, 2, 10);
+    keyframe("batch_step", {.method = Method::kBatch, .max_iterations = 1}, 2, 10);
     // Over so many that renewals of the elimination order and merges have their share.
     const int warm_up = std::min(50, size / 4), count = std::min(100, size / 2);
-    keyframe("incremental", Method::kIncremental, warm_up, count);
-    keyframe("windowed", Method::kWindowed, warm_up, count);
+    keyframe("incremental", {.method = Method::kIncremental}, warm_up, count);
+    keyframe("windowed", {.method = Method::kWindowed}, warm_up, count);
     // Samples: at the largest sizes a keyframe takes them seconds.
     add("keyframe/ceres", size, BM_KeyframeCeres, 3);
     add("keyframe/mrpt", size, BM_KeyframeMrpt, 2);

@@ -104,8 +104,10 @@ using Method = void (*)(benchmark::State&, const std::string&, Start);
           [=](benchmark::State& state) { run(state, file, start); });
     }
   }
-  add("PoseGraph/torus3D/file_guess",
-      [](benchmark::State& state) { BM_PoseGraphChordal(state, "torus3D.g2o"); });
+  for (const std::string name : {"sphere2500", "torus3D"}) {
+    add("PoseGraph/" + name + "/file_guess",
+        [=](benchmark::State& state) { BM_PoseGraphChordal(state, name + ".g2o"); });
+  }
   return true;
 }();
 
