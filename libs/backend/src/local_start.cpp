@@ -14,6 +14,7 @@ constexpr double kRelativeDecrease = 1e-2;
 LocalStart::LocalStart(const SolverParams& params) : params_(params) {
   params_.max_iterations = kSteps;
   params_.min_relative_decrease = kRelativeDecrease;
+  factor_.keepUpdates(false);
 }
 
 void LocalStart::run(LiveProblem& problem, std::span<const int> variables) {
@@ -31,11 +32,9 @@ void LocalStart::run(LiveProblem& problem, std::span<const int> variables) {
     });
   }
   if (local.factors() == 0) return;
-  FrontFactor factor;
-  factor.keepUpdates(false);
-  factor.build(local, context_);
+  factor_.build(local, context_);
   OptimizationReport report;
-  LevenbergMarquardt(params_, local, factor, report).run();
+  LevenbergMarquardt(params_, local, factor_, report).run();
   if (!report.usable()) return;
   for (std::size_t i = 0; i < variables.size(); ++i)
     problem.setState(variables[i], local.estimate(static_cast<int>(i)));

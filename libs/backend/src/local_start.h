@@ -20,6 +20,7 @@ class LocalStart {
  private:
   SolverParams params_;
   CholmodContext context_;
+  FrontFactor factor_;
 };
 
 }  // namespace dynemo::backend
