@@ -1,33 +1,20 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <unordered_set>
 #include <vector>
 
-namespace dynemo {
+#include "dynemo/core/voxel.h"
 
-/// Membership only; nothing is read out in its order.
-struct VoxelHash {
-  std::size_t operator()(const Eigen::Vector3i& v) const {
-    return static_cast<std::size_t>(v.x()) * 73856093u ^
-           static_cast<std::size_t>(v.y()) * 19349669u ^
-           static_cast<std::size_t>(v.z()) * 83492791u;
-  }
-};
+namespace dynemo {
 
 /// The first point of each voxel; Point has a float `p_map` [m].
 template <class Point>
 std::vector<Point> thinned(const std::vector<Point>& points, float voxel_m) {
   std::unordered_set<Eigen::Vector3i, VoxelHash> seen;
   std::vector<Point> kept;
-  // Beyond this a float cannot be told from its neighbour voxel anyway, and the index would
-  // overflow.
-  constexpr float kFarthest = 1e6f;
   for (const Point& point : points) {
-    const Eigen::Vector3f scaled = point.p_map / voxel_m;
-    if (!(scaled.cwiseAbs().maxCoeff() < kFarthest)) continue;
-    const Eigen::Vector3i voxel = scaled.array().floor().template cast<int>();
-    if (seen.insert(voxel).second) kept.push_back(point);
+    const auto voxel = voxelOf(point.p_map, voxel_m);
+    if (voxel && seen.insert(*voxel).second) kept.push_back(point);
   }
   return kept;
 }

@@ -1,5 +1,6 @@
 #include "dynemo/query/query_params.h"
 #include "dynemo/query/session_difference.h"
+#include "dynemo/query/structure_params.h"
 
 namespace dynemo {
 
@@ -44,6 +45,37 @@ void fields(FieldVisitor& v, QueryParams& p) {
            Range::positive());
   v.number("same_move_s", p.same_move_s, "Moves that follow each other this soon are one",
            Range::nonNegative());
+}
+
+void fields(FieldVisitor& v, StructureParams& p) {
+  v.flag("volumes", p.volumes,
+         "What is inside an entity, from all that was seen of it, is the entity's in every scan");
+  v.number("margin_m", p.margin_m, "So much around what was seen of an entity is the entity's, too",
+           Range::between(0.0, 1.0));
+  v.number("agent_gap_s", p.agent_gap_s,
+           "Agents are on the straight line between two observations at most so far apart in time",
+           Range::nonNegative());
+  v.number("surface_tolerance_m", p.surface_tolerance_m,
+           "Points so near to a mapped floor, wall or ceiling are structure, whatever stands there",
+           Range::between(0.0, 1.0));
+  v.flag("seen_through", p.seen_through, "What other scans see through is no structure");
+  v.number("voxel_m", p.voxel_m, "Size of the places that are judged as one",
+           Range::between(0.02, 1.0));
+  v.number("max_range_m", p.max_range_m, "Scans from further away say nothing of a place",
+           Range::positive());
+  v.number("ray_radius_m", p.ray_radius_m,
+           "A ray goes through a place when it passes its middle this closely",
+           Range::between(0.001, 1.0));
+  v.number("behind_m", p.behind_m, "and ends so far behind it", Range::between(0.01, 10.0));
+  v.integer("min_through", p.min_through,
+            "A place is no structure when at least so many scans see through it",
+            Range::between(1, 1000));
+  v.number("max_hit_share", p.max_hit_share,
+           "and less than this share of the scans that look there see something",
+           Range::between(0.0, 1.0));
+  v.number("gone_probability", p.gone_probability,
+           "or when, were it still there, the scans since it was last seen were this unlikely",
+           Range::between(0.0, 0.5));
 }
 
 void fields(FieldVisitor& v, DifferenceParams& p) {

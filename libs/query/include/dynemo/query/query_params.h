@@ -40,6 +40,8 @@ struct QueryParams {
   double object_carry_mps = 2.0;
   /// Moves of one object that follow each other within this time are one move, seen as it happened.
   double same_move_s = 5.0;
+
+  bool operator==(const QueryParams&) const = default;
 };
 void fields(FieldVisitor& v, QueryParams& p);
 

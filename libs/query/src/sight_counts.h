@@ -1,0 +1,39 @@
+// What the scans that looked at a place have seen there.
+#pragma once
+
+#include <cstdint>
+
+#include "beam_grid.h"
+#include "dynemo/query/structure_params.h"
+
+namespace dynemo {
+
+enum class Permanence {
+  kUnknown,
+  kLasting,  ///< most scans that look there see something
+  kPassing   ///< others see through
+};
+
+/// Looks in order of time.
+class SightCounts {
+ public:
+  void add(Sight sight) {
+    if (sight == Sight::kNothing) return;
+    ++looks_;
+    if (sight == Sight::kHit) ++hits_;
+    through_since_hit_ = sight == Sight::kHit ? 0 : through_since_hit_ + 1;
+  }
+  Permanence judge(const StructureParams& params) const;
+
+ private:
+  std::uint32_t looks_ = 0, hits_ = 0, through_since_hit_ = 0;
+};
+
+/// Rays along a surface pass near to its points and end far behind: only steep ones say that it is
+/// not there. Both directions have unit length; a zero normal is that of no surface.
+inline bool isSteep(const Vector3& ray, const Vector3& normal) {
+  constexpr double kLeastSine = 0.35;
+  return normal.isZero() || std::abs(ray.dot(normal)) >= kLeastSine;
+}
+
+}  // namespace dynemo
