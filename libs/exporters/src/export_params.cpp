@@ -39,6 +39,9 @@ void fields(FieldVisitor& v, ExportParams& p) {
   v.section("cloud", p.cloud, "Map cloud: ply, pcd");
   v.section("picture", p.picture, "What is drawn: 3dscene, png, gltf, html");
   v.section("png", p.png, "Rendered picture");
+  v.section("structure", p.structure,
+            "What is taken for structure, and not for something that moves: ply, pcd, map, and "
+            "what is drawn");
   v.section("query", p.query, "What is believed of entities while nobody looks at them");
 }
 

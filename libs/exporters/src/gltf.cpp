@@ -63,7 +63,7 @@ class Writer {
   }
 
   void addPoints() {
-    const PicturePoints points = picturePoints(run_, params_.picture);
+    const PicturePoints points = picturePoints(run_, params_);
     const int parent = layer("map points");
     addPointsNode(parent, "structure", points.structure);
     addPointsNode(parent, "entity fragments", points.fragments);

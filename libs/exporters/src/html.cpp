@@ -90,7 +90,7 @@ class Writer {
              {{"center", {view.center.x(), view.center.y(), view.center.z()}},
               {"radius", view.radius_m},
               {"yaw", view.yaw_rad}}},
-            {"points", pointsJson(picturePoints(run_, params_.picture).structure, true)},
+            {"points", pointsJson(picturePoints(run_, params_).structure, true)},
             {"frames", framesText()},
             {"odometry", odometryText()},
             {"keyframes", keyframesJson()},

@@ -22,10 +22,9 @@ Stamp lastStamp(const RunResult& run);
 /// The time the cloud shows.
 Stamp cloudStamp(const RunResult& run, const MapCloudParams& params);
 
-/// Points that belong to an entity's fragment are no structure at any time, so that what moved
-/// leaves no ghosts; each entity's points of all its observations stand at its pose of the time.
-/// Entities come first, by id, then the structure by keyframe; thinned in this order.
-std::vector<MapPoint> mapCloud(const RunResult& run, const MapCloudParams& params,
-                               const QueryParams& query);
+/// Points of an entity are no structure at any time, so that what moved leaves no ghosts; each
+/// entity's points of all scans stand at its pose of the time. Points of what only passed by are
+/// left out. Entities come first, by id, then the structure by keyframe; thinned in this order.
+std::vector<MapPoint> mapCloud(const RunResult& run, const ExportParams& params);
 
 }  // namespace dynemo

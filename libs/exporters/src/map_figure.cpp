@@ -70,7 +70,7 @@ void drawScaleBar(cv::Mat& picture, const MapView& view) {
 }
 
 /// One panel: structure, path, and closures where they are in force.
-cv::Mat panel(const CSceneGraph& graph, const std::vector<MapPoint>& points,
+cv::Mat panel(const CSceneGraph& graph, const std::vector<RasterPoint>& points,
               const std::vector<Pose3>& poses, const MapView& view, bool closures) {
   cv::Mat picture = paintStructure(points, poses, view);
   for (std::size_t k = 1; k < poses.size(); ++k)
@@ -89,9 +89,9 @@ cv::Mat panel(const CSceneGraph& graph, const std::vector<MapPoint>& points,
 }
 
 /// The whole structure and path, at a resolution that fits the panel.
-MapView wholeMap(const std::vector<MapPoint>& points, const std::vector<Pose3>& poses) {
+MapView wholeMap(const std::vector<RasterPoint>& points, const std::vector<Pose3>& poses) {
   std::vector<double> x, y;
-  for (const MapPoint& point : points) {
+  for (const RasterPoint& point : points) {
     const Vector3 p = poses[point.keyframe] * point.p_base.cast<double>();
     x.push_back(p.x());
     y.push_back(p.y());
@@ -117,7 +117,7 @@ MapView wholeMap(const std::vector<MapPoint>& points, const std::vector<Pose3>& 
 
 /// Where the closures moved the most structure: the window, as wide as the panel, with the largest
 /// sum of displacements.
-MapView detail(const std::vector<MapPoint>& points, const std::vector<Pose3>& before,
+MapView detail(const std::vector<RasterPoint>& points, const std::vector<Pose3>& before,
                const std::vector<Pose3>& after, const MapView& whole) {
   MapView view;
   view.pixel_m = kDetail_m / whole.size().width;
@@ -125,7 +125,7 @@ MapView detail(const std::vector<MapPoint>& points, const std::vector<Pose3>& be
   MapView cells = whole;
   cells.pixel_m = kCell_m;
   cv::Mat moved(cells.size(), CV_32FC1, cv::Scalar(0));
-  for (const MapPoint& point : points) {
+  for (const RasterPoint& point : points) {
     const Vector3 p = after[point.keyframe] * point.p_base.cast<double>();
     const cv::Point cell(cells.pixel(p));
     if (!cv::Rect({0, 0}, moved.size()).contains(cell)) continue;
@@ -167,10 +167,12 @@ void drawLegend(cv::Mat& sheet, cv::Point at) {
 
 class MapFigureExporter : public Exporter {
  public:
+  explicit MapFigureExporter(const ExportParams& params) : params_(params) {}
   std::string fileName() const override { return "map.png"; }
 
   void write(const RunResult& run, const std::filesystem::path& file) const override {
-    const auto points = structurePoints(run.graph, kPointBudget);
+    const PointOwners& owners = pointOwners(run, params_.structure, params_.query);
+    const auto points = structurePoints(run.graph, owners, kPointBudget);
     const std::vector<Pose3> after = estimates(run.graph);
     const MapView whole = wholeMap(points, after);
     const bool closed = run.keyframes_without_closures.size() == after.size() && !after.empty();
@@ -200,7 +202,7 @@ class MapFigureExporter : public Exporter {
     if (!title.empty()) dynemo::write(sheet, title, at + cv::Point(0, -18), 0.95);
   }
 
-  static cv::Mat beforeAndAfter(const CSceneGraph& graph, const std::vector<MapPoint>& points,
+  static cv::Mat beforeAndAfter(const CSceneGraph& graph, const std::vector<RasterPoint>& points,
                                 const std::vector<Pose3>& before, const std::vector<Pose3>& after,
                                 const MapView& whole) {
     const std::array<cv::Mat, 2> maps = {panel(graph, points, before, whole, false),
@@ -221,12 +223,14 @@ class MapFigureExporter : public Exporter {
     drawLegend(sheet, {sheet.cols - 400 - kGap_px, kTitle_px / 2});
     return sheet;
   }
+
+  ExportParams params_;
 };
 
 }  // namespace
 
-std::unique_ptr<Exporter> makeMapFigureExporter(const ExportParams&) {
-  return std::make_unique<MapFigureExporter>();
+std::unique_ptr<Exporter> makeMapFigureExporter(const ExportParams& params) {
+  return std::make_unique<MapFigureExporter>(params);
 }
 
 }  // namespace dynemo

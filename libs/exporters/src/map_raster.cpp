@@ -26,20 +26,6 @@ double groundInBase(const CSceneGraph& graph, const CNodeKeyframe& keyframe,
   return *low;
 }
 
-std::vector<bool> entityPoints(const CSceneGraph& graph, const CNodeKeyframe& keyframe) {
-  std::vector<bool> of_entity(keyframe.scan->cloud.size(), false);
-  for (const EdgeId id : graph.edgesOf(keyframe.id)) {
-    for (const NodeId node : graph.edgeSlots()[id.value]->nodes) {
-      const auto* entity = graph.findNode<CNodeEntity>(node);
-      if (!entity || entity->keyframe != keyframe.id) continue;
-      for (const std::uint32_t i : entity->fragment) {
-        if (i < of_entity.size()) of_entity[i] = true;
-      }
-    }
-  }
-  return of_entity;
-}
-
 }  // namespace
 
 cv::Size MapView::size() const {
@@ -62,8 +48,9 @@ cv::Vec3f colorOfTime(std::size_t index, std::size_t count) {
   return stops[left] * (1.0F - s) + stops[left + 1] * s;
 }
 
-std::vector<MapPoint> structurePoints(const CSceneGraph& graph, std::size_t budget) {
-  std::vector<MapPoint> all;
+std::vector<RasterPoint> structurePoints(const CSceneGraph& graph, const PointOwners& owners,
+                                         std::size_t budget) {
+  std::vector<RasterPoint> all;
   const auto& keyframes = graph.keyframes();
   for (std::size_t k = 0; k < keyframes.size(); ++k) {
     const CNodeKeyframe& keyframe = *keyframes[k];
@@ -72,24 +59,24 @@ std::vector<MapPoint> structurePoints(const CSceneGraph& graph, std::size_t budg
     for (const Eigen::Vector3f& p : keyframe.scan->cloud.points)
       points.push_back(keyframe.scan->T_base_lidar * p.cast<double>());
     const double ground_m = groundInBase(graph, keyframe, points);
-    const std::vector<bool> of_entity = entityPoints(graph, keyframe);
+    const ScanOwners& of_scan = owners.of(keyframe);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double height_m = points[i].z() - ground_m;
-      if (of_entity[i] || height_m < kLowest_m || height_m > kHighest_m) continue;
+      if (!of_scan.isStructure(i) || height_m < kLowest_m || height_m > kHighest_m) continue;
       all.push_back({points[i].cast<float>(), static_cast<std::uint32_t>(k)});
     }
   }
   if (all.size() <= budget) return all;
-  std::vector<MapPoint> kept;
+  std::vector<RasterPoint> kept;
   for (std::size_t i = 0; i < budget; ++i) kept.push_back(all[i * all.size() / budget]);
   return kept;
 }
 
-cv::Mat paintStructure(const std::vector<MapPoint>& points, const std::vector<Pose3>& T_map_base,
+cv::Mat paintStructure(const std::vector<RasterPoint>& points, const std::vector<Pose3>& T_map_base,
                        const MapView& view) {
   const cv::Size size = view.size();
   cv::Mat ink(size, CV_32FC1, cv::Scalar(0)), color(size, CV_32FC3, cv::Scalar::all(0));
-  for (const MapPoint& point : points) {
+  for (const RasterPoint& point : points) {
     const Vector3 p_map = T_map_base[point.keyframe] * point.p_base.cast<double>();
     const cv::Point2d at = view.pixel(p_map);
     if (!(at.x >= 0.0 && at.y >= 0.0 && at.x < size.width - 1 && at.y < size.height - 1)) continue;

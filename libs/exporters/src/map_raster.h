@@ -4,7 +4,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
-#include "dynemo/graph/scene_graph.h"
+#include "dynemo/query/point_owners.h"
 
 namespace dynemo {
 
@@ -21,19 +21,20 @@ struct MapView {
 /// Of keyframe `index` out of `count`: blue for the first, through violet, to orange for the last.
 cv::Vec3f colorOfTime(std::size_t index, std::size_t count);
 
-/// A point of the structure: what stands on the ground and is not an entity.
-struct MapPoint {
+/// A point of the structure: what stands on the ground and is neither an entity nor passing by.
+struct RasterPoint {
   Eigen::Vector3f p_base;
   std::uint32_t keyframe = 0;  ///< its index
 };
 
-/// The points of all keyframes between 0.2 and 1.8 m over the ground, without those of entities. At
-/// most `budget` of them, evenly thinned.
-std::vector<MapPoint> structurePoints(const CSceneGraph& graph, std::size_t budget);
+/// The structure in the scans of all keyframes between 0.2 and 1.8 m over the ground. At most
+/// `budget` points, evenly thinned.
+std::vector<RasterPoint> structurePoints(const CSceneGraph& graph, const PointOwners& owners,
+                                         std::size_t budget);
 
 /// Paints the points at the given keyframe poses. Where passes agree their colours mix on one thin
 /// wall; where they do not, walls are double.
-cv::Mat paintStructure(const std::vector<MapPoint>& points, const std::vector<Pose3>& T_map_base,
+cv::Mat paintStructure(const std::vector<RasterPoint>& points, const std::vector<Pose3>& T_map_base,
                        const MapView& view);
 
 }  // namespace dynemo

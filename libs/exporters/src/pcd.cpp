@@ -31,7 +31,7 @@ class PcdExporter : public Exporter {
   explicit PcdExporter(const ExportParams& params) : params_(params) {}
   std::string fileName() const override { return "map.pcd"; }
   void write(const RunResult& run, const std::filesystem::path& file) const override {
-    const auto points = mapCloud(run, params_.cloud, params_.query);
+    const auto points = mapCloud(run, params_);
     std::string bytes = header(points.size(), cloudStamp(run, params_.cloud));
     for (const MapPoint& point : points) appendPoint(bytes, point);
     writeFileAtomically(file, bytes);

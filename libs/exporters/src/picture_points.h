@@ -13,10 +13,11 @@ struct PicturePoint {
   std::uint32_t rgb = 0;
 };
 
+/// Entities' points where they were seen. What only passed by is left out.
 struct PicturePoints {
   std::vector<PicturePoint> structure, fragments;
 };
 
-PicturePoints picturePoints(const RunResult& run, const PictureParams& params);
+PicturePoints picturePoints(const RunResult& run, const ExportParams& params);
 
 }  // namespace dynemo

@@ -36,7 +36,7 @@ class PlyExporter : public Exporter {
   explicit PlyExporter(const ExportParams& params) : params_(params) {}
   std::string fileName() const override { return "map.ply"; }
   void write(const RunResult& run, const std::filesystem::path& file) const override {
-    const auto points = mapCloud(run, params_.cloud, params_.query);
+    const auto points = mapCloud(run, params_);
     std::string bytes = header(points, cloudStamp(run, params_.cloud));
     for (const MapPoint& point : points) appendPoint(bytes, point);
     writeFileAtomically(file, bytes);

@@ -113,7 +113,7 @@ class PngExporter : public Exporter {
   std::string fileName() const override { return "scene.png"; }
 
   void write(const RunResult& run, const std::filesystem::path& file) const override {
-    SceneParams style{params_.picture};
+    SceneParams style{params_};
     style.labels = false;
     style.cloud_point_px *= kSupersampling;
     style.fragment_point_px *= kSupersampling;

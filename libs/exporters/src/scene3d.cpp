@@ -45,7 +45,7 @@ std::string compressed(const mrpt::opengl::COpenGLScene& scene) {
 
 class Scene3dExporter : public Exporter {
  public:
-  explicit Scene3dExporter(const PictureParams& params) : params_{params} {}
+  explicit Scene3dExporter(const ExportParams& params) : params_{params} {}
   std::string fileName() const override { return "scene.3Dscene"; }
   void write(const RunResult& run, const std::filesystem::path& file) const override {
     writeFileAtomically(file, compressed(makeScene(run, params_)));
@@ -58,7 +58,7 @@ class Scene3dExporter : public Exporter {
 }  // namespace
 
 std::unique_ptr<Exporter> makeScene3dExporter(const ExportParams& params) {
-  return std::make_unique<Scene3dExporter>(params.picture);
+  return std::make_unique<Scene3dExporter>(params);
 }
 
 }  // namespace dynemo

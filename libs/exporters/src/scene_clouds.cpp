@@ -23,7 +23,7 @@ mrpt::opengl::CPointCloudColoured::Ptr draw(const std::vector<PicturePoint>& poi
 }  // namespace
 
 mrpt::opengl::CSetOfObjects::Ptr sceneClouds(const RunResult& run, const SceneParams& params) {
-  const PicturePoints points = picturePoints(run, params.picture);
+  const PicturePoints points = picturePoints(run, params.exports);
   auto group = mrpt::opengl::CSetOfObjects::Create();
   group->setName("clouds");
   group->insert(draw(points.structure, params.cloud_point_px, "keyframe clouds"));

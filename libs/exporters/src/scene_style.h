@@ -15,7 +15,7 @@ namespace dynemo {
 
 /// What the exporter draws, in metres unless the name says otherwise.
 struct SceneParams {
-  PictureParams picture;
+  ExportParams exports;
   float cloud_point_px = 1.5f;
   float fragment_point_px = 3.0f;
   double trajectory_radius_m = 0.03;

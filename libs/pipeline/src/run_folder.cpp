@@ -215,12 +215,12 @@ void RunFolder::write(const std::vector<std::string>& outputs, const SlamPipelin
       failures += (failures.empty() ? "" : "; ") + std::string(e.what());
     }
   };
+  const RunResult run = pipeline.result();
   for (const std::string& name : outputs) {
     attempt([&] {
-      if (name == kSession)
-        return saveSession(sessionOf(pipeline.result(), config_yaml_), folder_ / kSession);
+      if (name == kSession) return saveSession(sessionOf(run, config_yaml_), folder_ / kSession);
       const auto exporter = exporters().make(name, exports_);
-      exporter->write(pipeline.result(), folder_ / exporter->fileName());
+      exporter->write(run, folder_ / exporter->fileName());
     });
   }
   attempt([&] {

@@ -150,6 +150,20 @@ TEST(MapCloud, CanLeaveEntitiesOut) {
   }
 }
 
+TEST(MapCloud, ExportersOfARunShareWhoseThePointsAre) {
+  const SmallRun run = smallRun();
+  const RunResult result = run.result(), copy = result;
+  StructureParams params;
+  const PointOwners* first = &pointOwners(result, params, {});
+  EXPECT_EQ(first, &pointOwners(copy, params, {}));
+  const auto& last = *run.graph.keyframes().back();
+  EXPECT_EQ(first->of(last).entity(10)->entity, EntityId{7});
+  // Its own for another question.
+  params.margin_m = 0.2;
+  pointOwners(result, params, {});
+  EXPECT_EQ(result.findings->structure, params);
+}
+
 TEST(MapCloud, HasOnePointPerVoxel) {
   const SmallRun run = smallRun();
   ExportParams params;

@@ -94,12 +94,12 @@ std::size_t pointCount(const RunResult& run, const SceneParams& params) {
 TEST(Scene, ThinsCloudsToTheBudget) {
   const SmallRun run = smallRun();
   SceneParams params;
-  params.picture.voxel_m = 1e-3;
+  params.exports.picture.voxel_m = 1e-3;
   EXPECT_EQ(pointCount(run.result(), params), 150u);
-  params.picture.max_points = 20;
+  params.exports.picture.max_points = 20;
   const std::size_t thinned = pointCount(run.result(), params);
   EXPECT_GT(thinned, 5u);
-  EXPECT_LE(thinned, 2 * static_cast<std::size_t>(params.picture.max_points));
+  EXPECT_LE(thinned, 2 * static_cast<std::size_t>(params.exports.picture.max_points));
 }
 
 TEST(Scene, CutsAwayWhatIsHigherThanTheRooms) {
@@ -108,7 +108,7 @@ TEST(Scene, CutsAwayWhatIsHigherThanTheRooms) {
   raised->T_base_lidar = Pose3::translation(0.0, 0.0, 3.0);
   run.graph.keyframes()[1]->scan = raised;
   SceneParams params;
-  params.picture.voxel_m = 1e-3;
+  params.exports.picture.voxel_m = 1e-3;
   EXPECT_EQ(pointCount(run.result(), params), 100u);
 }
 

@@ -5,6 +5,7 @@
 
 #include "dynemo/core/fields.h"
 #include "dynemo/query/query_params.h"
+#include "dynemo/query/structure_params.h"
 
 namespace dynemo {
 
@@ -54,6 +55,7 @@ struct ExportParams {
   MapCloudParams cloud;
   PictureParams picture;
   PngParams png;
+  StructureParams structure;
   QueryParams query;
 };
 void fields(FieldVisitor& v, ExportParams& p);
