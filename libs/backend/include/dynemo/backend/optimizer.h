@@ -27,7 +27,7 @@ struct SolverParams {
   double min_step = 1e-9;
   double initial_lambda = 1e-6;
   /// Incremental: way after which a node's edges are evaluated anew [m, rad].
-  double relinearize_above = 0.01;
+  double relinearize_above = 0.03;
   /// Incremental: changes are not carried on whose neglect costs less than this share of the cost, all together.
   double neglected_share = 1e-4;
   /// Windowed: the most keyframes that are answered before the whole map has been.
