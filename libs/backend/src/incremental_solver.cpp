@@ -342,14 +342,16 @@ bool IncrementalSolver::solve(OptimizationReport& report) {
     const double cost = problem_.cost();
     if (!std::isfinite(cost)) return false;
     const double mismatch = std::abs(cost - model);
-    insists_ = cost > report.cost_after || mismatch > kSlowContraction * last_mismatch;
+    const bool good =
+        mismatch <= kNonlinearity * cost && cost <= report.cost_before * (1.0 + kCostRounding);
+    insists_ = !good && (cost > report.cost_after || mismatch > kSlowContraction * last_mismatch);
     report.cost_after = cost;
     last_mismatch = mismatch;
-    const double limit = params_.relinearize_above * (i == 0 ? 1.0 : kTighterRelinearization);
+    const double limit =
+        params_.relinearize_above * (good || i == 0 ? 1.0 : kTighterRelinearization);
     for (const int v : changed_)
       if (insists_ || drift_[v] > limit) mark(is_pending_, pending_, v);
-    if (mismatch <= kNonlinearity * cost && cost <= report.cost_before * (1.0 + kCostRounding))
-      break;
+    if (good) break;
     if (pending_.empty() && stale_.empty()) break;
   }
   if (report.cost_after > report.cost_before * (1.0 + kCostRounding) + kCostRounding) return false;
