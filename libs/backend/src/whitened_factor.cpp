@@ -54,15 +54,23 @@ void whiten(const InformationMatrix& U, double scale, std::size_t count, Whitene
 
 namespace {
 
-/// ‖U e‖², U upper triangular.
+template <int M>
+double squaredNormFixed(const InformationMatrix& U, const Residual& e) {
+  return (Eigen::Map<const Eigen::Matrix<double, M, M>>(U.data()) *
+          Eigen::Map<const Eigen::Matrix<double, M, 1>>(e.data()))
+      .squaredNorm();
+}
+
+/// ‖U e‖².
 double whitenedSquaredNorm(const InformationMatrix& U, const Residual& e) {
-  double sum = 0.0;
-  for (Eigen::Index r = 0; r < e.size(); ++r) {
-    double row = 0.0;
-    for (Eigen::Index c = r; c < e.size(); ++c) row += U(r, c) * e[c];
-    sum += row * row;
+  switch (e.size()) {
+    case 6:
+      return squaredNormFixed<6>(U, e);
+    case 3:
+      return squaredNormFixed<3>(U, e);
+    default:
+      return (U * e).squaredNorm();
   }
-  return sum;
 }
 
 }  // namespace
