@@ -14,9 +14,9 @@ constexpr int kMaxSteps = 5;
 constexpr double kNonlinearity = 3e-4;
 constexpr double kCostRounding = 1e-9;
 /// Steps up to this are not carried on to the rest of the map [m, rad].
-constexpr double kCarriedAbove = 4e-4;
+constexpr double kCarriedAbove = 7e-4;
 /// Nor is anything before it lowers the cost by this share of the map's.
-constexpr double kCarriedCost = 5e-4;
+constexpr double kCarriedCost = 7e-4;
 
 }  // namespace
 
