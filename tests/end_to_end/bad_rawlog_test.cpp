@@ -57,7 +57,7 @@ TEST_F(BadRawlog, RandomBytes) {
     std::string bytes(size, '\0');
     for (char& byte : bytes) byte = static_cast<char>(rng());
     write("random", bytes);
-    expectRefusal(run("random"), kData, {"random.rawlog", "no usable"});
+    expectRefusal(run("random"), kData, {"random.rawlog", "no MRPT rawlog"});
     write("random", "\x1f\x8b\x08" + bytes);
     expectRefusal(run("random"), kData, {"random.rawlog", "no usable"});
   }
@@ -65,7 +65,7 @@ TEST_F(BadRawlog, RandomBytes) {
 
 TEST_F(BadRawlog, ATextFile) {
   write("text", readBytes(bundledSample().entities()));
-  expectRefusal(run("text"), kData, {"text.rawlog", "no usable"});
+  expectRefusal(run("text"), kData, {"text.rawlog", "no MRPT rawlog: it is text"});
 }
 
 TEST_F(BadRawlog, CutShortBeforeAnythingUsable) {

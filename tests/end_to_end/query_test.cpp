@@ -290,7 +290,7 @@ TEST(Query, RefusesWhatItCannotAnswer) {
               "--radius: -1: must be a number > 0");
   expectError(ask({run, "near", "1,2"}), kUsage, "near 1,2: must be X,Y,Z");
   expectError(ask({"where", "1"}), kUsage, "RUN_DIR");
-  expectError(ask({run}), kUsage, "subcommand");
+  expectError(ask({run}), kUsage, "a command is required");
   expectError(ask({"/nonexistent", "moved"}), kData, "/nonexistent");
   expectError(ask({run, "where", "1", "--set", "nope=1"}), kUsage, "nope");
 }

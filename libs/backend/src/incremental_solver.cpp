@@ -51,9 +51,12 @@ void IncrementalSolver::reset() {
   known_edges_ = 0;
   unmark(is_pending_, pending_);
   unmark(is_stale_, stale_);
+  unmark(is_correction_, corrections_);
   unmark(is_changed_, changed_);
   unmark(is_cost_, costs_);
   new_.clear();
+  drift_.clear();
+  insists_ = false;
   needs_build_ = true;
   mostly_new_ = false;
 }
@@ -202,6 +205,7 @@ void IncrementalSolver::renew() {
   problem_ = std::move(fresh);
   unmark(is_pending_, pending_);
   unmark(is_stale_, stale_);
+  unmark(is_correction_, corrections_);
   unmark(is_cost_, costs_);
   new_.clear();
   drift_.clear();

@@ -119,7 +119,7 @@ TEST_P(Incremental, SameInputSameBytes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Worlds, Incremental,
-                         ::testing::Combine(::testing::Values(1, 2, 3), ::testing::Bool()));
+                         ::testing::Combine(::testing::Values(1, 2, 3, 108), ::testing::Bool()));
 
 /// A map in the middle of its life.
 class MidLife : public ::testing::Test {
