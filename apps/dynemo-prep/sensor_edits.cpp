@@ -159,7 +159,7 @@ void declareRelabel(CLI::App& program, std::vector<Command>& commands) {
 
 void declareExternalizeImages(CLI::App& program, std::vector<Command>& commands) {
   struct Options : RewriteArguments {
-    ImageFormat format = ImageFormat::kPng;
+    std::string format = "png";
     int quality = 95;
   };
   auto o = std::make_shared<Options>();
@@ -167,14 +167,19 @@ void declareExternalizeImages(CLI::App& program, std::vector<Command>& commands)
                                          "Move images from inside the log to files beside it");
   declareRewrite(*command, *o);
   command->add_option("--format", o->format, "png (lossless, the default) or jpg")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, ImageFormat>{
-          {"png", ImageFormat::kPng}, {"jpg", ImageFormat::kJpeg}}))
-      ->type_name("FORMAT");
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            return text == "png" || text == "jpg" ? "" : text + ": must be png or jpg";
+          },
+          ""))
+      ->type_name("png|jpg");
   command->add_option("--quality", o->quality, "Of jpg files")
       ->check(CLI::Validator(CLI::Range(1, 100)).description(""))
       ->type_name("1..100");
   commands.push_back({command, [o] {
-                        return printReport(externalizeImages(o->input, o->output, o->format,
+                        const auto format =
+                            o->format == "jpg" ? ImageFormat::kJpeg : ImageFormat::kPng;
+                        return printReport(externalizeImages(o->input, o->output, format,
                                                              o->quality, o->options()));
                       }});
 }

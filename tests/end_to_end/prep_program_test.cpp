@@ -101,6 +101,17 @@ TEST_F(Prep, BoundsOfNumbersAreTold) {
       << outcome.err;
 }
 
+TEST_F(Prep, AnImageFormatIsNamed) {
+  for (const char* format : {"gif", "1"}) {
+    const Outcome outcome =
+        prep({"externalize-images", rawlog, "--format", format, "-o", path("o.rawlog")});
+    EXPECT_EQ(outcome.status, 2) << describe(outcome);
+    EXPECT_NE(outcome.err.find(std::string("--format: ") + format + ": must be png or jpg"),
+              std::string::npos)
+        << outcome.err;
+  }
+}
+
 TEST_F(Prep, TheDraftedEntityFileRuns) {
   const Outcome tags = prep({"tags", rawlog, "-o", path("entities.yaml")});
   ASSERT_EQ(tags.status, 0) << describe(tags);
