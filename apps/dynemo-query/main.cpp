@@ -55,7 +55,11 @@ class Question {
   void moved() {
     const Stamp from = timeOr(o_.from, "--from", query_.begin());
     const Stamp to = timeOr(o_.to, "--to", query_.end());
-    if (to < from) throw ConfigError("--to: is before --from");
+    if (to < from) {
+      throw ConfigError(o_.to     ? "--to: is before --from"
+                        : o_.from ? "--from: is after the end of the run; give --to as well"
+                                  : "--to: is before the beginning of the run");
+    }
     const auto moves = query_.moved(from, to);
     print(o_.json ? movedJson(moves) : movedText(moves, query_.begin()));
   }

@@ -278,6 +278,9 @@ TEST(Query, RefusesWhatItCannotAnswer) {
               "no entity 'table' in the map; known: 1 (box 1)");
   expectError(ask({run, "where", "1", "--at", "noon"}), kUsage, "--at noon");
   expectError(ask({run, "moved", "--from", "+40", "--to", "+20"}), kUsage, "before --from");
+  expectError(ask({run / "nothing", "entities"}), kData, "no such folder");
+  expectError(ask({run / "summary.json", "entities"}), kData, "is not a folder");
+  expectError(ask({run, "moved", "--from", "+500"}), kUsage, "--from: is after the end of the run");
   for (const char* far_away : {"30", "-5", "+1.7e9", "+8999999999", "3400000000"}) {
     for (const Outcome& outcome : {ask({run, "where", "1", std::string("--at=") + far_away}),
                                    ask({run, "near", "1,2,3", std::string("--at=") + far_away}),

@@ -255,6 +255,8 @@ Session loadSession(const fs::path& folder) {
 Session loadRunSession(const fs::path& folder) {
   const auto holdsGraph = [](const fs::path& f) { return fs::exists(f / "graph.bin"); };
   const fs::path inside = folder / "session";
+  if (!fs::exists(folder)) throw DataError(folder.string() + ": no such folder");
+  if (!fs::is_directory(folder)) throw DataError(folder.string() + ": is not a folder of a run");
   if (!holdsGraph(inside) && !holdsGraph(folder)) {
     throw DataError(folder.string() +
                     ": holds no session/graph.bin; dynemo-slam writes it when `session` is among "
