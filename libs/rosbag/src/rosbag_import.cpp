@@ -292,7 +292,9 @@ std::string Import::leftOutText() const {
 RosbagImportReport importRosbag(const fs::path& bag, const fs::path& rawlog,
                                 const RosbagImportParams& params) {
   std::error_code ignored;
-  if (!fs::is_regular_file(bag, ignored)) throw DataError(bag.string() + ": no such file");
+  if (!fs::exists(bag, ignored)) throw DataError(bag.string() + ": no such file");
+  if (!fs::is_regular_file(bag, ignored))
+    throw DataError(bag.string() + ": is no file but a folder or device");
   return Import(bag, rawlog, params).run();
 }
 

@@ -194,6 +194,14 @@ TEST_F(Import, TopicsCanBeChosenAndNamed) {
 
 TEST_F(Import, WhatCannotBeUsedIsOneError) {
   EXPECT_THROW(import(), DataError);
+  fs::create_directory(bag);
+  try {
+    import();
+    ADD_FAILURE() << "accepted a folder";
+  } catch (const DataError& e) {
+    EXPECT_NE(std::string(e.what()).find("folder"), std::string::npos) << e.what();
+  }
+  fs::remove(bag);
   writeFile(bag, "no bag at all");
   EXPECT_THROW(import(), DataError);
   {
