@@ -5,6 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
+#include <string>
 
 #include "dynemo/core/error.h"
 #include "dynemo/core/mrpt_conversions.h"
@@ -29,8 +32,24 @@ RewriteReport setExtrinsics(const fs::path& input, const fs::path& output,
                              [&](const RewriteReport&) { labels.requireAll(input); });
 }
 
+namespace {
+
+/// Control characters do not occur in text; MRPT's parser would print its complaint about them.
+bool isText(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  return std::none_of(bytes.begin(), bytes.end(), [](unsigned char c) {
+    return c < 0x20 && c != '\n' && c != '\r' && c != '\t';
+  });
+}
+
+}  // namespace
+
 mrpt::img::TCamera readCalibration(const fs::path& yaml_file) {
-  if (!fs::is_regular_file(yaml_file)) throw ConfigError(yaml_file.string() + ": no such file");
+  if (!fs::exists(yaml_file)) throw ConfigError(yaml_file.string() + ": no such file");
+  if (fs::is_directory(yaml_file)) throw ConfigError(yaml_file.string() + ": is a folder");
+  if (!isText(yaml_file))
+    throw ConfigError(yaml_file.string() + ": is no camera calibration: it is no text");
   try {
     const auto yaml = mrpt::containers::yaml::FromFile(yaml_file.string());
     const auto camera = mrpt::img::TCamera::FromYAML(yaml);

@@ -117,6 +117,11 @@ TEST_F(SensorEdits, WrongCalibrationsAreRefused) {
   EXPECT_THROW(readCalibration(folder / "missing.yaml"), ConfigError);
   writeFile(folder / "empty.yaml", "");
   EXPECT_THROW(readCalibration(folder / "empty.yaml"), ConfigError);
+  EXPECT_THROW(readCalibration(folder / "."), ConfigError);
+  writeFile(folder / "binary.yaml", "\x1f\x8b\x08\xff");
+  testing::internal::CaptureStderr();
+  EXPECT_THROW(readCalibration(folder / "binary.yaml"), ConfigError);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   writeFile(folder / "other.yaml", "a: 1\nb: 2\n");
   try {
     readCalibration(folder / "other.yaml");
