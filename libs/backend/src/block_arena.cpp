@@ -45,8 +45,6 @@ BlockArena::Pages BlockArena::map(std::size_t size) {
   void* const data = mmap(nullptr, size * sizeof(double), PROT_READ | PROT_WRITE,
                           MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (data == MAP_FAILED) throw std::bad_alloc();
-  // A fault for every small page costs more than a small front.
-  madvise(data, size * sizeof(double), MADV_HUGEPAGE);
   return Pages(static_cast<double*>(data), {size});
 }
 
@@ -69,14 +67,14 @@ void BlockArena::reserve(Block& block, std::size_t size) {
     block.data = carve(c.size);
     return;
   }
-  block.data = big_.emplace_back(map(c.size)).get();
+  block.data = big_.emplace_back(Big{map(c.size), c.index}).data.get();
   big_size_ += c.size;
 }
 
 void BlockArena::release(Block& block) {
   const bool is_big = block.data && block.capacity > kBig;
-  if (is_big && big_free_ + block.capacity > big_size_ / kBigFreeShare) {
-    std::erase_if(big_, [&](const auto& data) { return data.get() == block.data; });
+  if (is_big && !keeps_big_ && big_free_ + block.capacity > big_size_ / kBigFreeShare) {
+    std::erase_if(big_, [&](const Big& big) { return big.data.get() == block.data; });
     big_size_ -= block.capacity;
   } else if (block.data) {
     if (is_big) big_free_ += block.capacity;
@@ -88,9 +86,18 @@ void BlockArena::release(Block& block) {
 void BlockArena::clear() {
   // As many chunks stay as were in use, so that memory follows the need.
   chunks_.resize(std::min(chunks_.size(), current_ + 1));
+  // Nor do big blocks that were in use go: the next factorisation wants their like.
+  std::erase_if(big_, [&](const Big& big) {
+    const auto& unused = free_[big.size_class];
+    return !keeps_big_ || std::find(unused.begin(), unused.end(), big.data.get()) != unused.end();
+  });
   for (auto& list : free_) list.clear();
-  big_.clear();
-  big_size_ = big_free_ = current_ = chunk_used_ = 0;
+  big_size_ = current_ = chunk_used_ = 0;
+  for (const Big& big : big_) {
+    free_[big.size_class].push_back(big.data.get());
+    big_size_ += sizeOf(big.size_class);
+  }
+  big_free_ = big_size_;
 }
 
 double* BlockArena::carve(std::size_t size) {

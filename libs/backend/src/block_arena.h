@@ -28,6 +28,9 @@ class BlockArena {
   /// Makes `block` hold at least `size` doubles; what it held is lost.
   void reserve(Block& block, std::size_t size);
   void release(Block& block);
+  /// Whether big blocks stand by however many are free, and after clear() as many as were in use:
+  /// for those who soon want the like again.
+  void keepBig(bool keep) { keeps_big_ = keep; }
   /// Takes back everything; blocks that are still about must be forgotten.
   void clear();
   /// Doubles in all chunks and big blocks.
@@ -40,7 +43,7 @@ class BlockArena {
   };
   using Pages = std::unique_ptr<double[], Unmap>;
 
-  static constexpr std::size_t kChunk = std::size_t{1} << 20;
+  static constexpr std::size_t kChunk = std::size_t{1} << 18;
   static constexpr std::size_t kBig = std::size_t{1} << 16;
   /// Four classes to every doubling.
   static constexpr int kClasses = 160;
@@ -51,7 +54,12 @@ class BlockArena {
   /// Of kChunk doubles; those before the current one are in use.
   std::vector<Pages> chunks_;
   std::size_t current_ = 0, chunk_used_ = 0;
-  std::vector<Pages> big_;
+  struct Big {
+    Pages data;
+    int size_class;
+  };
+  std::vector<Big> big_;
+  bool keeps_big_ = false;
   std::size_t big_size_ = 0, big_free_ = 0;
   std::array<std::vector<double*>, kClasses> free_;
 };

@@ -41,7 +41,10 @@ class FrontFactor {
   void setDamping(double lambda) { lambda_ = lambda; }
   /// Whether fronts keep what they leave to their parents, without which every factorize() must be
   /// of all. True unless told otherwise.
-  void keepUpdates(bool keep) { keep_updates_ = keep; }
+  void keepUpdates(bool keep) {
+    keep_updates_ = keep;
+    arena_.keepBig(!keep);
+  }
   /// D, by tangent entry, of the last factorize() with a damping.
   const std::vector<double>& scale() const { return scale_; }
   /// Flops and fronts of the last factorize().

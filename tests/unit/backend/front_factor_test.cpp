@@ -89,6 +89,31 @@ TEST(BlockArena, BlocksDoNotOverlapAndAreUsedAgain) {
   EXPECT_EQ(arena.capacity(), capacity);
 }
 
+TEST(BlockArena, BigBlocksStandByOnlyWhereTheyAreSoonWanted) {
+  constexpr std::size_t kSize = 300'000;
+  for (const bool keep : {false, true}) {
+    BlockArena arena;
+    arena.keepBig(keep);
+    std::vector<BlockArena::Block> blocks(8);
+    for (auto& block : blocks) arena.reserve(block, kSize);
+    const std::size_t all = arena.capacity();
+    for (auto& block : blocks) arena.release(block);
+    EXPECT_EQ(arena.capacity() == all, keep);
+    for (int i = 0; i < 2; ++i) arena.reserve(blocks[i], kSize);
+    arena.clear();
+    // Two were in use.
+    EXPECT_EQ(arena.capacity() >= 2 * kSize, keep);
+    EXPECT_LT(arena.capacity(), all / 2);
+    blocks.assign(2, {});
+    const std::size_t kept = arena.capacity();
+    for (auto& block : blocks) {
+      arena.reserve(block, kSize);
+      std::fill_n(block.data, kSize, 1.0);
+    }
+    EXPECT_EQ(arena.capacity() == kept, keep);
+  }
+}
+
 /// H and −g of a live problem, densely.
 struct Dense {
   explicit Dense(LiveProblem& problem)
