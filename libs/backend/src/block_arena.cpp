@@ -86,7 +86,7 @@ void BlockArena::release(Block& block) {
 void BlockArena::clear() {
   // As many chunks stay as were in use, so that memory follows the need.
   chunks_.resize(std::min(chunks_.size(), current_ + 1));
-  // Nor do big blocks that were in use go: the next factorisation wants their like.
+  // So do big blocks, where the next factorisation wants their like.
   std::erase_if(big_, [&](const Big& big) {
     const auto& unused = free_[big.size_class];
     return !keeps_big_ || std::find(unused.begin(), unused.end(), big.data.get()) != unused.end();

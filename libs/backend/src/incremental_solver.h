@@ -3,12 +3,12 @@
 //
 // The normal equations are those of the linearisation points x₀, and the estimate is x₀ ⊞ δ with
 // the minimiser δ. The factors of a variable that has moved by more than `relinearize_above`, and
-// those whose robust weights have changed, are evaluated anew: as a correction of the gradient,
-// which costs a substitution along their paths; as a new linearisation, which dirties their fronts,
-// where these are dirty anyhow, where the Hessian has become another, or where corrections do not
-// close in on the minimum. When the true cost differs from the quadratic model's, another step
-// follows at once. The elimination order is renewed, and everything linearised anew, when the steps
-// since the last renewal have become dear enough to pay for it.
+// those whose robust weights have changed, are evaluated anew: as a correction of the right-hand
+// side, which costs a substitution along their paths; as a new linearisation, which dirties their
+// fronts, where these are dirty anyhow, where the Hessian has become another, or where corrections
+// do not close in on the minimum. When the true cost differs from the quadratic model's, another
+// step follows at once. The elimination order is renewed, and everything linearised anew, when the
+// steps since the last renewal have become dear enough to pay for it.
 #pragma once
 
 #include <span>

@@ -84,16 +84,38 @@ std::uintmax_t sizeOf(const std::filesystem::path& path) {
   return bytes;
 }
 
+/// Made once for every size, with whose the points of its scans are: the exporters of a run share
+/// what they find out.
+const RunResult& exampleResult(int keyframes) {
+  static std::map<int, Run> runs;
+  static std::map<int, RunResult> results;
+  if (const auto known = results.find(keyframes); known != results.end()) return known->second;
+  const Run& run = runs.emplace(keyframes, exampleRun(keyframes)).first->second;
+  const RunResult result{run.graph, run.frames, run.covariances};
+  pointOwners(result, {}, {});
+  return results.emplace(keyframes, result).first->second;
+}
+
 void benchmarkExporter(benchmark::State& state, const std::string& name) {
-  const Run run = exampleRun(static_cast<int>(state.range(0)));
+  const RunResult& result = exampleResult(static_cast<int>(state.range(0)));
   const auto exporter = exporters().make(name, ExportParams());
   const auto file = std::filesystem::temp_directory_path() /
                     ("dynemo-benchmark-" + std::to_string(::getpid()) + exporter->fileName());
-  // Of its own each time: a run's exporters share what they find out.
-  for (auto _ : state) exporter->write({run.graph, run.frames, run.covariances}, file);
+  for (auto _ : state) exporter->write(result, file);
   state.counters["bytes"] = static_cast<double>(sizeOf(file));
   std::filesystem::remove_all(file);
 }
+
+void benchmarkPointOwners(benchmark::State& state) {
+  const RunResult& result = exampleResult(static_cast<int>(state.range(0)));
+  for (auto _ : state)
+    benchmark::DoNotOptimize(PointOwners(result.graph, result.entity_covariances));
+}
+BENCHMARK(benchmarkPointOwners)
+    ->Name("point_owners")
+    ->Arg(10)
+    ->Arg(100)
+    ->Unit(benchmark::kMillisecond);
 
 /// One benchmark per registered exporter, found by the registry.
 const bool kRegistered = [] {

@@ -9,6 +9,7 @@
 
 #include "block_arena.h"
 #include "dense_kernels.h"
+#include "dynemo/graph/edge_relative_pose.h"
 #include "generated_graph.h"
 
 namespace dynemo::test {
@@ -249,6 +250,36 @@ TEST_F(Corrections, MakeTheModelThatOfTheResidualsAtTheEstimates) {
               1e-7 * problem_.cost());
   factor_.solve(problem_, 0.0);
   expectSolved(problem_, factor_);
+}
+
+TEST_F(Corrections, DoNotPushTheMapAsAWhole) {
+  // Relative poses do not change under a motion of everything: what is added to the gradient of
+  // their two ends must not either, though the Jacobians have become others since.
+  std::mt19937_64 rng(9);
+  for (int i = 0; i < problem_.tangentSize(); ++i)
+    problem_.delta(0)[i] += std::normal_distribution<double>(0.0, 0.05)(rng);
+  for (int v = 0; v < problem_.variables(); ++v) problem_.updateEstimate(v);
+  int relative = 0;
+  WhitenedFactor work;
+  for (int f = 0; f < problem_.factors(); ++f) {
+    const auto variables = problem_.variablesOf(f);
+    if (variables.size() != 2 || !dynamic_cast<const CEdgeRelativePose*>(problem_.edge(f).get()))
+      continue;
+    const Residual change = problem_.correct(f, work);
+    Vector6 push = Vector6::Zero();
+    double pull = 0.0;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Pose3 T = CNodePose::poseFromState(start_.estimate(variables[i]));
+      // The tangent of the node by a motion of the map.
+      const Matrix6 A = composeJacobianLeft(T);
+      const Vector6 g = work.J[i].transpose() * change;
+      push += A.transpose() * g;
+      pull += (A.transpose() * g).norm();
+    }
+    ASSERT_LT(push.norm(), 1e-9 * pull + 1e-12);
+    ++relative;
+  }
+  EXPECT_GT(relative, 50);
 }
 
 TEST_F(Corrections, LastWhileFrontsAreFactorizedAgain) {
