@@ -357,6 +357,14 @@ TEST_F(Corrections, GoWhenAVariableIsLinearizedAnew) {
   factor_.tree().touchAll();
   ASSERT_FALSE(factor_.factorize(problem_));
   factor_.solve(problem_, 0.0);
+  WhitenedFactor model, truth;
+  for (int f = 0; f < problem_.factors(); ++f) {
+    std::vector<const double*> states;
+    for (const int v : problem_.variablesOf(f)) states.push_back(problem_.estimate(v));
+    problem_.linearize(f, model);
+    whitenedFactor(*problem_.edge(f), states, truth);
+    ASSERT_LT((model.e - truth.e).norm(), 1e-9 * (1.0 + truth.e.norm()));
+  }
   expectSolved(problem_, factor_);
 }
 
