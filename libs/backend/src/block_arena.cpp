@@ -43,7 +43,7 @@ void BlockArena::Unmap::operator()(double* data) const { munmap(data, size * siz
 
 BlockArena::Pages BlockArena::map(std::size_t size) {
   void* const data = mmap(nullptr, size * sizeof(double), PROT_READ | PROT_WRITE,
-                          MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+                          MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
   if (data == MAP_FAILED) throw std::bad_alloc();
   return Pages(static_cast<double*>(data), {size});
 }

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <cstddef>
 
-// Every sum runs over the pivots in ascending order, one multiplication and one addition at a time:
-// wider registers give the same bits, only sooner.
-#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__)
-#define DYNEMO_WIDEST_VECTORS __attribute__((target_clones("default", "avx2", "avx512f")))
+// Every sum runs over the pivots in ascending order: wider registers give the same bits, only
+// sooner. Products are fused with sums (see CMakeLists.txt) on processors that can.
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define DYNEMO_WIDEST_VECTORS __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 #else
 #define DYNEMO_WIDEST_VECTORS
 #endif
@@ -31,6 +32,8 @@ DYNEMO_INLINE const double* at(const double* A, int ld, int row, int column) {
 }
 DYNEMO_INLINE Lanes& lanes(double* p) { return *reinterpret_cast<Lanes*>(p); }
 DYNEMO_INLINE const Lanes& lanes(const double* p) { return *reinterpret_cast<const Lanes*>(p); }
+
+static_assert(kPaddingRows >= kLanes - 1);
 
 /// C −= P Qᵀ of 8·kRows rows and kColumns columns, held in registers.
 template <int kRows, int kColumns>
@@ -57,19 +60,9 @@ template <int kColumns>
 DYNEMO_INLINE void subtractColumns(const double* P, const double* Q, double* C, int ld, int rows,
                                    int depth) {
   int i = 0;
-  for (; i + 2 * kLanes <= rows; i += 2 * kLanes)
+  for (; i + kLanes < rows; i += 2 * kLanes)
     subtractTile<2, kColumns>(P + i, Q, C + i, ld, depth);
-  if (i + kLanes <= rows) {
-    subtractTile<1, kColumns>(P + i, Q, C + i, ld, depth);
-    i += kLanes;
-  }
-  for (; i < rows; ++i) {
-    for (int c = 0; c < kColumns; ++c) {
-      double sum = *at(C, ld, i, c);
-      for (int k = 0; k < depth; ++k) sum -= *at(P, ld, i, k) * *at(Q, ld, c, k);
-      *at(C, ld, i, c) = sum;
-    }
-  }
+  if (i < rows) subtractTile<1, kColumns>(P + i, Q, C + i, ld, depth);
 }
 
 /// The first `columns` columns of C −= P Pᵀ, `rows` rows, `depth` columns of P; from the diagonal
@@ -90,12 +83,12 @@ int factorizeColumns(double* A, int ld, int rows, int width) {
     for (int k = 0; k < j; ++k) {
       const double* const a = at(A, ld, 0, k);
       const double f = a[j];
-      for (int i = j; i < rows; ++i) column[i] -= f * a[i];
+      for (int i = j; i < rows; i += kLanes) lanes(column + i) -= lanes(a + i) * f;
     }
     if (!(column[j] > 0.0)) return j;
     const double pivot = std::sqrt(column[j]), inverse = 1.0 / pivot;
     column[j] = pivot;
-    for (int i = j + 1; i < rows; ++i) column[i] *= inverse;
+    for (int i = j + 1; i < rows; i += kLanes) lanes(column + i) *= inverse;
   }
   return -1;
 }

@@ -3,11 +3,14 @@
 
 namespace dynemo::backend {
 
+/// Rows below a matrix that whole registers reach.
+constexpr int kPaddingRows = 7;
+
 /// A is the lower trapezoid of a symmetric matrix, column-major with leading dimension `ld`, `rows`
-/// rows. Replaces its first `pivots` columns by those of the Cholesky factor and subtracts their
+/// rows, and below them kPaddingRows of zeros, which stay zeros. Replaces its first `pivots` columns by those of the Cholesky factor and subtracts their
 /// outer product from the rest of the lower triangle. Returns the first column whose pivot is not
 /// positive, or −1. Entries above the diagonal are left undefined. The same bits on every
-/// processor.
+/// processor with fused multiplication and addition.
 int factorizePivots(double* A, int ld, int rows, int pivots);
 
 /// x ← [y; x₂ − L₂₁ y] with y = L₁₁⁻¹ x₁: the step of a forward substitution.

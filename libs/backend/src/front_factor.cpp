@@ -56,27 +56,27 @@ std::optional<int> FrontFactor::factorize(LiveProblem& problem, const DensePrior
 
 bool FrontFactor::factorizeFront(LiveProblem& problem, int f, const DensePrior& prior) {
   Front& front = tree_.front(f);
-  const int n = front.pivot_size + front.row_size, ld = n + 1;
-  if (matrix_.size() < square(ld)) matrix_.resize(square(ld));
-  for (int j = 0; j < ld; ++j)
-    std::fill_n(&matrix_[static_cast<std::size_t>(j) * ld + j], ld - j, 0.0);
-  diagonal_.assign(static_cast<std::size_t>(n), 0.0);
+  side_ = front.pivot_size + front.row_size;
+  ld_ = side_ + 1 + kPaddingRows;
+  if (matrix_.size() < square(ld_)) matrix_.resize(square(ld_));
+  for (int j = 0; j <= side_; ++j) std::fill(entry(j, j), entry(0, j + 1), 0.0);
+  diagonal_.assign(static_cast<std::size_t>(side_), 0.0);
   placeRows(problem, front);
-  assembleFactors(problem, front, ld);
-  if (prior.information) assemblePrior(problem, front, prior, ld);
+  assembleFactors(problem, front);
+  if (prior.information) assemblePrior(problem, front, prior);
   for (int c = front.first_child; c >= 0; c = tree_.front(c).next_sibling)
-    assembleChild(problem, tree_.front(c), ld);
+    assembleChild(problem, tree_.front(c));
   for (int c = front.first_child; !keep_updates_ && c >= 0; c = tree_.front(c).next_sibling)
     arena_.release(tree_.front(c).update);
-  if (lambda_ > 0.0) damp(problem, front, ld);
-  const int bad = factorizePivots(matrix_.data(), ld, ld, front.pivot_size);
-  if (bad >= 0 || (lambda_ == 0.0 && !pivotsAreSound(front, ld))) {
+  if (lambda_ > 0.0) damp(problem, front);
+  const int bad = factorizePivots(matrix_.data(), ld_, side_ + 1, front.pivot_size);
+  if (bad >= 0 || (lambda_ == 0.0 && !pivotsAreSound(front))) {
     singular_ = tree_.list(front.pivots).front();
     for (const int v : tree_.list(front.pivots))
       if (bad >= 0 && place_[v] <= bad) singular_ = v;
     return false;
   }
-  storeFront(front, ld);
+  storeFront(front);
   return true;
 }
 
@@ -90,11 +90,10 @@ void FrontFactor::placeRows(const LiveProblem& problem, const Front& front) {
   }
 }
 
-void FrontFactor::assembleFactors(LiveProblem& problem, const Front& front, int ld) {
+void FrontFactor::assembleFactors(LiveProblem& problem, const Front& front) {
+  for (const int pivot : tree_.list(front.pivots))
+    tree_.forEachOwnedFactor(pivot, [&](int f) { problem.prefetch(f); });
   WhitenedFactor work;
-  const auto at = [&](int row, int column) {
-    return &matrix_[static_cast<std::size_t>(column) * ld + row];
-  };
   for (const int pivot : tree_.list(front.pivots)) {
     tree_.forEachOwnedFactor(pivot, [&](int f) {
       problem.linearize(f, work);
@@ -104,15 +103,15 @@ void FrontFactor::assembleFactors(LiveProblem& problem, const Front& front, int 
         const int row = place_[variables[a]];
         const JacobianBlock& A = work.J[a];
         for (int i = 0; i < A.cols(); ++i) {
-          *at(ld - 1, row + i) -= A.col(i).dot(work.e);
+          *entry(side_, row + i) -= A.col(i).dot(work.e);
           diagonal_[row + i] += A.col(i).squaredNorm();
         }
         for (std::size_t b = 0; b < variables.size(); ++b) {
           if (problem.tangentSize(variables[b]) == 0) continue;
           const int column = place_[variables[b]];
           if (row > column || (row == column && a >= b))
-            addProduct(A, work.J[b], at(row, column), ld);
-          if (row == column && a > b) addProduct(work.J[b], A, at(row, column), ld);
+            addProduct(A, work.J[b], entry(row, column), ld_);
+          if (row == column && a > b) addProduct(work.J[b], A, entry(row, column), ld_);
         }
       }
     });
@@ -120,18 +119,18 @@ void FrontFactor::assembleFactors(LiveProblem& problem, const Front& front, int 
 }
 
 void FrontFactor::assemblePrior(const LiveProblem& problem, const Front& front,
-                                const DensePrior& prior, int ld) {
+                                const DensePrior& prior) {
   for (const int a : tree_.list(front.pivots)) {
     if (a >= tree_.clique()) continue;
     const int from = problem.tangentOffset(a);
     for (int i = 0; i < problem.tangentSize(a); ++i) {
-      matrix_[static_cast<std::size_t>(place_[a] + i) * ld + ld - 1] -= (*prior.gradient)[from + i];
+      *entry(side_, place_[a] + i) -= (*prior.gradient)[from + i];
       diagonal_[place_[a] + i] += (*prior.information)(from + i, from + i);
     }
     for (int b = 0; b < tree_.clique(); ++b) {
       if (tree_.position(b) < tree_.position(a)) continue;
       for (int j = 0; j < problem.tangentSize(a); ++j) {
-        double* const column = &matrix_[static_cast<std::size_t>(place_[a] + j) * ld + place_[b]];
+        double* const column = entry(place_[b], place_[a] + j);
         for (int i = 0; i < problem.tangentSize(b); ++i)
           column[i] += (*prior.information)(problem.tangentOffset(b) + i, from + j);
       }
@@ -139,7 +138,7 @@ void FrontFactor::assemblePrior(const LiveProblem& problem, const Front& front,
   }
 }
 
-void FrontFactor::assembleChild(const LiveProblem& problem, const Front& child, int ld) {
+void FrontFactor::assembleChild(const LiveProblem& problem, const Front& child) {
   // Rows of the child that are neighbours here too are added as one run.
   struct Run {
     int from, to, size;
@@ -156,13 +155,13 @@ void FrontFactor::assembleChild(const LiveProblem& problem, const Front& child, 
     }
     from += size;
   }
-  runs.push_back({from, ld - 1, 1});  // the right-hand side
+  runs.push_back({from, side_, 1});  // the right-hand side
   const double* source = child.update.data;
   const int n = from + 1;
   for (std::size_t r = 0; r < runs.size(); ++r) {
     for (int j = 0; j < runs[r].size; ++j) {
       const int column = runs[r].from + j;
-      double* const target = &matrix_[static_cast<std::size_t>(runs[r].to + j) * ld];
+      double* const target = entry(0, runs[r].to + j);
       // The packed column starts at its diagonal.
       const double* const packed = source - column;
       for (int i = j; i < runs[r].size; ++i) target[runs[r].to + i] += packed[runs[r].from + i];
@@ -177,7 +176,7 @@ void FrontFactor::assembleChild(const LiveProblem& problem, const Front& child, 
     for (int i = 0; i < runs[r].size; ++i) diagonal_[runs[r].to + i] += source[runs[r].from + i];
 }
 
-void FrontFactor::damp(const LiveProblem& problem, const Front& front, int ld) {
+void FrontFactor::damp(const LiveProblem& problem, const Front& front) {
   constexpr int kAxes = 3;
   scale_.resize(static_cast<std::size_t>(problem.tangentSize()));
   for (const int v : tree_.list(front.pivots)) {
@@ -188,34 +187,32 @@ void FrontFactor::damp(const LiveProblem& problem, const Front& front, int ld) {
       const double scale = std::max(sum / count, kMinScale);
       for (int i = first; i < first + count; ++i) {
         scale_[problem.tangentOffset(v) + i] = scale;
-        matrix_[static_cast<std::size_t>(place_[v] + i) * (ld + 1)] += lambda_ * scale;
+        *entry(place_[v] + i, place_[v] + i) += lambda_ * scale;
       }
     }
   }
 }
 
-bool FrontFactor::pivotsAreSound(const Front& front, int ld) const {
+bool FrontFactor::pivotsAreSound(const Front& front) const {
   for (int i = 0; i < front.pivot_size; ++i) {
-    const double pivot = matrix_[static_cast<std::size_t>(i) * ld + i];
+    const double pivot = *entry(i, i);
     if (!(pivot * pivot > kSingularPivot * diagonal_[i])) return false;
   }
   return true;
 }
 
-void FrontFactor::storeFront(Front& front, int ld) {
-  const int p = front.pivot_size;
-  arena_.reserve(front.panel, static_cast<std::size_t>(ld) * static_cast<std::size_t>(p));
-  std::copy_n(matrix_.data(), static_cast<std::size_t>(ld) * static_cast<std::size_t>(p),
-              front.panel.data);
+void FrontFactor::storeFront(Front& front) {
+  const int p = front.pivot_size, rows = side_ + 1;
+  arena_.reserve(front.panel, static_cast<std::size_t>(rows) * static_cast<std::size_t>(p));
   front.half_squared_y = 0.0;
   for (int j = 0; j < p; ++j) {
-    const double y = matrix_[static_cast<std::size_t>(j) * ld + ld - 1];
+    std::copy_n(entry(j, j), rows - j, front.panel.data + static_cast<std::size_t>(j) * rows + j);
+    const double y = *entry(side_, j);
     front.half_squared_y += 0.5 * y * y;
   }
   arena_.reserve(front.update, updateSize(front.row_size));
   double* out = front.update.data;
-  for (int j = p; j < ld; ++j)
-    out = std::copy_n(&matrix_[static_cast<std::size_t>(j) * ld + j], ld - j, out);
+  for (int j = p; j < rows; ++j) out = std::copy_n(entry(j, j), rows - j, out);
   std::copy_n(diagonal_.begin() + p, front.row_size, out);
 }
 

@@ -77,19 +77,27 @@ class FrontFactor {
   void collectPaths(const LiveProblem& problem, std::span<const int> factors);
   double carryUp(const LiveProblem& problem, int front);
   bool factorizeFront(LiveProblem& problem, int front, const DensePrior& prior);
+  double* entry(int row, int column) {
+    return &matrix_[static_cast<std::size_t>(column) * ld_ + row];
+  }
+  const double* entry(int row, int column) const {
+    return &matrix_[static_cast<std::size_t>(column) * ld_ + row];
+  }
   void placeRows(const LiveProblem& problem, const Front& front);
-  void assembleFactors(LiveProblem& problem, const Front& front, int ld);
-  void assemblePrior(const LiveProblem& problem, const Front& front, const DensePrior& prior,
-                     int ld);
-  void assembleChild(const LiveProblem& problem, const Front& child, int ld);
-  void damp(const LiveProblem& problem, const Front& front, int ld);
-  bool pivotsAreSound(const Front& front, int ld) const;
-  void storeFront(Front& front, int ld);
+  void assembleFactors(LiveProblem& problem, const Front& front);
+  void assemblePrior(const LiveProblem& problem, const Front& front, const DensePrior& prior);
+  void assembleChild(const LiveProblem& problem, const Front& child);
+  void damp(const LiveProblem& problem, const Front& front);
+  bool pivotsAreSound(const Front& front) const;
+  void storeFront(Front& front);
   void solveFront(LiveProblem& problem, const Front& front, double tolerance);
 
   FrontTree tree_;
   BlockArena arena_;
-  std::vector<double> matrix_;    ///< of the front in work, lower triangle, right-hand side last
+  /// Of the front in work: the lower triangle, with the right-hand side as the last row, padded for
+  /// the kernels.
+  std::vector<double> matrix_;
+  int side_ = 0, ld_ = 0;         ///< the row of the right-hand side, the leading dimension
   std::vector<double> diagonal_;  ///< of H, before any elimination, of the front in work
   std::vector<int> place_;        ///< per variable, in the front in work
   std::vector<char> recompute_;   ///< per front

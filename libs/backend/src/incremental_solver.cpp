@@ -209,7 +209,7 @@ void IncrementalSolver::renew() {
   unmark(is_cost_, costs_);
   new_.clear();
   drift_.clear();
-  for (int f = 0; f < problem_.factors(); ++f) problem_.updateCost(f);
+  problem_.updateCosts();
   factor_.build(problem_, context_);
   needs_build_ = false;
   work_.clear();
@@ -265,7 +265,9 @@ void IncrementalSolver::takeStep(int v) {
 }
 
 void IncrementalSolver::updateCosts() {
-  for (const int f : costs_) {
+  for (std::size_t i = 0; i < costs_.size(); ++i) {
+    if (i + LiveProblem::kAhead < costs_.size()) problem_.prefetch(costs_[i + LiveProblem::kAhead]);
+    const int f = costs_[i];
     if (!problem_.edge(f)) continue;
     problem_.updateCost(f);
     if (problem_.weightIsStale(f)) mark(is_stale_, stale_, f);

@@ -15,6 +15,9 @@ constexpr double kMaxLambda = 1e12;
 constexpr double kFirstRaisedLambda = 1e-4;
 /// With more damping than this a small decrease says little about the distance to the minimum.
 constexpr double kNearlyUndamped = 1e-3;
+/// The factor is tried again where its step has lowered the cost by less than this share: after a
+/// longer one the Hessian has become another.
+constexpr double kShortStep = 1e-2;
 /// The old factor stays in use while the predicted decrease falls by this factor from step to step.
 constexpr double kFastContraction = 0.05;
 /// Relative rounding error of the sum of squares.
@@ -25,6 +28,7 @@ void gradientOf(LiveProblem& problem, std::vector<double>& gradient) {
   gradient.assign(static_cast<std::size_t>(problem.tangentSize()), 0.0);
   WhitenedFactor work;
   for (int f = 0; f < problem.factors(); ++f) {
+    problem.prefetch(f + LiveProblem::kAhead);
     problem.linearize(f, work);
     const auto variables = problem.variablesOf(f);
     for (std::size_t i = 0; i < variables.size(); ++i) {
@@ -56,12 +60,18 @@ int costliest(LiveProblem& problem) {
 }  // namespace
 
 void LevenbergMarquardt::run() {
-  cost_ = costHere();
-  report_.cost_before = report_.cost_after = cost_;
-  if (!std::isfinite(cost_)) return fail();
+  bool started = false;
   while (true) {
     if (report_.iterations >= params_.max_iterations) return stop(StopReason::kMaxIterations);
-    const Trial trial = tryStep();
+    const bool factorized = factorizeDamped();
+    if (!started) {
+      // The linearisation has told the cost, as far as it came.
+      cost_ = factorized ? problem_.linearizedCost() : costHere();
+      report_.cost_before = report_.cost_after = cost_;
+      if (!std::isfinite(cost_)) return fail();
+      started = true;
+    }
+    const Trial trial = factorized ? tryStep() : Trial::kFailed;
     if (trial != Trial::kAccepted) problem_.discardSteps();
     if (done_) return;
     if (trial == Trial::kAccepted) {
@@ -93,7 +103,6 @@ double LevenbergMarquardt::predictedDecrease() const {
 }
 
 LevenbergMarquardt::Trial LevenbergMarquardt::tryStep() {
-  if (!factorizeDamped()) return Trial::kFailed;
   {
     const PhaseTimer timer(report_.solve_ms);
     factor_.solve(problem_, 0.0);
@@ -143,7 +152,7 @@ void LevenbergMarquardt::lowerDamping(double gain_ratio) {
 }
 
 double LevenbergMarquardt::costHere() {
-  for (int f = 0; f < problem_.factors(); ++f) problem_.updateCost(f);
+  problem_.updateCosts();
   return problem_.cost();
 }
 
@@ -164,6 +173,7 @@ void LevenbergMarquardt::solveAgain() {
 
 bool LevenbergMarquardt::finishWithOldFactor() {
   if (lambda_ > kNearlyUndamped || decrease_ < 0.5 * predicted_) return false;
+  if (decrease_ > kShortStep * cost_) return false;
   double last_predicted = predicted_;
   while (report_.iterations < params_.max_iterations) {
     solveAgain();

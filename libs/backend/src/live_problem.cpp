@@ -12,6 +12,10 @@ constexpr float kStaleWeight = 0.03F;
 /// And the share of the larger weight that asks for another Hessian.
 constexpr float kFarOffWeight = 0.5F;
 
+constexpr int kCacheLine = 64;
+/// From an edge's information on, with what it measured behind.
+constexpr int kEdgeLines = 7;
+
 void put(std::vector<int>& map, std::uint64_t i, int value) {
   if (i >= map.size()) map.resize(i + 1, -1);
   map[i] = value;
@@ -124,6 +128,14 @@ std::span<const double* const> LiveProblem::pointers(int factor,
   return {pointers_.data(), variables.size()};
 }
 
+void LiveProblem::prefetch(int factor) const {
+  if (factor >= factors() || !edges_[factor]) return;
+  const CEdgeBase* const edge = edges_[factor].get();
+  __builtin_prefetch(edge);
+  const char* const numbers = reinterpret_cast<const char*>(&edge->sqrtInformation());
+  for (int line = 0; line < kEdgeLines; ++line) __builtin_prefetch(numbers + kCacheLine * line);
+}
+
 double LiveProblem::linearize(int factor, WhitenedFactor& out) {
   double weight = held_weight_[factor];
   const auto states = pointers(factor, linearization_);
@@ -142,6 +154,13 @@ void LiveProblem::updateCost(int factor) {
   const WeightedCost at = weightedCost(*edges_[factor], pointers(factor, estimate_));
   cost_[factor] = at.cost;
   weight_[factor] = static_cast<float>(at.weight);
+}
+
+void LiveProblem::updateCosts() {
+  for (int f = 0; f < factors(); ++f) {
+    prefetch(f + kAhead);
+    if (edges_[f]) updateCost(f);
+  }
 }
 
 bool LiveProblem::weightIsStale(int factor) const {

@@ -70,10 +70,15 @@ class LiveProblem {
   /// x₀ ← x ← the state, δ ← 0.
   void setState(int variable, const double* state);
 
+  /// Has the numbers of a factor (if there is one) on their way from memory before they are used;
+  /// so many factors ahead is early enough.
+  void prefetch(int factor) const;
+  static constexpr int kAhead = 8;
   /// Linearises a factor at x₀; returns its cost there and remembers cost and weight.
   double linearize(int factor, WhitenedFactor& out);
   /// The cost at x is kept per factor and brought up to date by this.
   void updateCost(int factor);
+  void updateCosts();
   /// Whether the robust weight at x has left the one of the linearisation.
   bool weightIsStale(int factor) const;
   /// Whether it has changed so much that the Hessian is no longer that of the cost.

@@ -28,6 +28,7 @@ struct Optimizer::Impl {
   std::optional<Analysis> analysis;
   /// Of the batch method.
   Connectivity batch_connectivity;
+  LiveProblem batch_problem;
   FrontFactor batch_factor;
   IncrementalSolver incremental;
   StateWatch watch;
@@ -67,6 +68,8 @@ struct Optimizer::Impl {
     batch_connectivity = problem.connectivity();
   }
 
+  /// Brings the problem of the batch method up to the graph, numbered as in `problem`.
+  void follow(const CSceneGraph& graph, const Problem& problem);
   void optimizeInBatch(CSceneGraph& graph, OptimizationReport& report);
   void optimizeIncrementally(CSceneGraph& graph, OptimizationReport& report);
   void optimizeInWindow(CSceneGraph& graph, OptimizationReport& report);
@@ -97,6 +100,28 @@ Optimizer::~Optimizer() = default;
 Optimizer::Optimizer(Optimizer&&) noexcept = default;
 Optimizer& Optimizer::operator=(Optimizer&&) noexcept = default;
 
+void Optimizer::Impl::follow(const CSceneGraph& graph, const Problem& problem) {
+  const int variables = problem.connectivity().variables(),
+            factors = problem.connectivity().factors();
+  LiveProblem& live = batch_problem;
+  bool extends = live.variables() <= variables && live.factors() <= factors;
+  for (int v = 0; extends && v < live.variables(); ++v)
+    extends = live.node(v).get() == &problem.node(v);
+  for (int f = 0; extends && f < live.factors(); ++f)
+    extends = live.edge(f).get() == &problem.edge(f);
+  if (!extends) live = {};
+  std::vector<double> state;
+  for (int v = 0; v < live.variables(); ++v) {
+    state.resize(static_cast<std::size_t>(problem.node(v).stateSize()));
+    problem.node(v).readState(state.data());
+    live.setState(v, state.data());
+  }
+  for (int v = live.variables(); v < variables; ++v)
+    live.addVariable(graph.nodeSlots()[problem.node(v).id.value]);
+  for (int f = live.factors(); f < factors; ++f)
+    live.addFactor(graph.edgeSlots()[problem.edge(f).id.value]);
+}
+
 void Optimizer::Impl::optimizeInBatch(CSceneGraph& graph, OptimizationReport& report) {
   const Problem problem(graph);
   report.nodes = static_cast<std::size_t>(problem.connectivity().variables());
@@ -106,22 +131,19 @@ void Optimizer::Impl::optimizeInBatch(CSceneGraph& graph, OptimizationReport& re
     report.stop = StopReason::kNothingToDo;
     return;
   }
-  // Numbered as in the problem.
-  LiveProblem live;
-  for (int v = 0; v < problem.connectivity().variables(); ++v)
-    live.addVariable(graph.nodeSlots()[problem.node(v).id.value]);
-  for (const auto& edge : graph.edgeSlots())
-    if (edge) live.addFactor(edge);
+  follow(graph, problem);
   const SingleThreaded single_threaded;
-  layOut(problem, live, report);
-  LevenbergMarquardt(params, live, batch_factor, report).run();
-  // Methods that solve in batch now and then need not hold a second factorisation meanwhile.
-  if (params.method != SolverParams::Method::kBatch) {
-    batch_factor = {};
-    batch_connectivity = {};
+  layOut(problem, batch_problem, report);
+  LevenbergMarquardt(params, batch_problem, batch_factor, report).run();
+  if (report.usable() && report.iterations > 0) {
+    for (int v = 0; v < batch_problem.variables(); ++v)
+      graph.setState(batch_problem.node(v)->id, batch_problem.estimate(v));
   }
-  if (!report.usable() || report.iterations == 0) return;
-  for (int v = 0; v < live.variables(); ++v) graph.setState(live.node(v)->id, live.estimate(v));
+  // Methods that solve in batch now and then need not hold a second factorisation meanwhile.
+  if (params.method == SolverParams::Method::kBatch) return;
+  batch_problem = {};
+  batch_factor = {};
+  batch_connectivity = {};
 }
 
 void Optimizer::Impl::optimizeIncrementally(CSceneGraph& graph, OptimizationReport& report) {

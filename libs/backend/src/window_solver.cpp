@@ -88,7 +88,7 @@ double WindowSolver::cost() const {
 
 void WindowSolver::step() {
   for (const int v : factor_.solve(problem_, 0.0)) problem_.updateEstimate(v);
-  for (int f = 0; f < problem_.factors(); ++f) problem_.updateCost(f);
+  problem_.updateCosts();
 }
 
 bool WindowSolver::iterate(OptimizationReport& report) {

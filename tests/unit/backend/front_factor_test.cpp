@@ -24,14 +24,23 @@ MatrixX randomSpd(int n, std::uint64_t seed) {
   return A * A.transpose() + MatrixX::Identity(n, n);
 }
 
+/// With the rows that the kernels ask for below it.
+MatrixX padded(const MatrixX& A) {
+  MatrixX work = MatrixX::Zero(A.rows() + kPaddingRows, A.cols());
+  work.topRows(A.rows()) = A;
+  return work;
+}
+
 /// Sizes on both sides of every threshold of the kernels.
 class Kernels : public ::testing::TestWithParam<std::pair<int, int>> {};
 
 TEST_P(Kernels, FactorizePivotsAsTheDenseAlgebra) {
   const auto [rows, pivots] = GetParam();
   const MatrixX A = randomSpd(rows, 7);
-  MatrixX work = A;
-  ASSERT_EQ(factorizePivots(work.data(), rows, rows, pivots), -1);
+  MatrixX work = padded(A);
+  ASSERT_EQ(factorizePivots(work.data(), rows + kPaddingRows, rows, pivots), -1);
+  EXPECT_TRUE(work.bottomRows(kPaddingRows).isZero(0.0));
+  work.conservativeResize(rows, rows);
   const MatrixX L = A.llt().matrixL();
   const MatrixX panel = work.leftCols(pivots).triangularView<Eigen::Lower>();
   EXPECT_LT((panel - L.leftCols(pivots)).norm(), 1e-10 * L.norm());
@@ -47,14 +56,16 @@ TEST_P(Kernels, FindTheFirstBadPivot) {
     MatrixX A = randomSpd(rows, 8);
     const MatrixX L = A.llt().matrixL();
     A(bad, bad) -= 1.001 * L(bad, bad) * L(bad, bad);
-    EXPECT_EQ(factorizePivots(A.data(), rows, rows, pivots), bad);
+    MatrixX work = padded(A);
+    EXPECT_EQ(factorizePivots(work.data(), rows + kPaddingRows, rows, pivots), bad);
   }
 }
 
 TEST_P(Kernels, BackSubstitutionSolves) {
   const auto [rows, pivots] = GetParam();
-  MatrixX L = randomSpd(rows, 9);
-  factorizePivots(L.data(), rows, rows, pivots);
+  MatrixX L = padded(randomSpd(rows, 9));
+  factorizePivots(L.data(), rows + kPaddingRows, rows, pivots);
+  L.conservativeResize(rows, rows);
   const VectorX x = VectorX::LinSpaced(rows, -1.0, 2.0);
   VectorX y = MatrixX(L.leftCols(pivots).triangularView<Eigen::Lower>()).transpose() * x;
   backSubstitute(L.data(), rows, rows, pivots, x.data() + pivots, y.data());

@@ -29,7 +29,7 @@ struct SolverParams {
   /// Incremental: way after which a node's edges are evaluated anew [m, rad].
   double relinearize_above = 0.03;
   /// Incremental: changes are not carried on whose neglect costs less than this share of the cost, all together.
-  double neglected_share = 1e-4;
+  double neglected_share = 3e-4;
   /// Windowed: the most keyframes that are answered before the whole map has been.
   int window_keyframes = 40;
   /// Windowed: whether the whole map is solved on a thread of its own. The results are the same.
