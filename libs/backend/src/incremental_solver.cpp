@@ -67,11 +67,12 @@ void IncrementalSolver::restart(const CSceneGraph& graph) {
   mostly_new_ = false;
 }
 
-bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const NodeId> moved) {
-  bool knows_some = false;
+void IncrementalSolver::forgetMissing(const CSceneGraph& graph) {
+  const int newest = newestFactor();
+  if (newest >= 0 && isPartOf(graph)) return;
+  if (newest < 0) known_edges_ = 0;
   for (int v = 0; v < problem_.variables(); ++v) {
     if (!problem_.alive(v)) continue;
-    knows_some = true;
     const std::uint64_t i = problem_.node(v)->id.value;
     const bool same = i < graph.nodeSlots().size() && graph.nodeSlots()[i] == problem_.node(v);
     // Another graph, unless the node is merely gone.
@@ -80,10 +81,13 @@ bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const No
       break;
     }
   }
-  if (!knows_some) known_edges_ = 0;
   removeMissing(graph);
-  addNew(graph);
   removed_edges_ = graph.nextEdgeId().value - graph.edgeCount();
+}
+
+bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const NodeId> moved) {
+  forgetMissing(graph);
+  addNew(graph);
   for (const NodeId node : moved) {
     const int v = problem_.variableOf(node);
     if (v < 0) continue;
@@ -96,18 +100,25 @@ bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const No
   return mostly_new_;
 }
 
+int IncrementalSolver::newestFactor() const {
+  int f = problem_.factors() - 1;
+  while (f >= 0 && !problem_.edge(f)) --f;
+  return f;
+}
+
 bool IncrementalSolver::isPartOf(const CSceneGraph& graph) {
   const auto& slots = graph.edgeSlots();
-  const auto is_there = [&](std::size_t i) {
-    const int f = problem_.factorOf({i});
-    return f < 0 || (i < slots.size() && slots[i] == problem_.edge(f));
+  const auto is_there = [&](int f) {
+    if (!problem_.edge(f)) return true;
+    const std::uint64_t i = problem_.edge(f)->id.value;
+    return i < slots.size() && slots[i] == problem_.edge(f);
   };
-  // Ids are not used twice: without removals since, one edge speaks for all.
-  const std::size_t known = problem_.edgeSlots(),
-                    removed = graph.nextEdgeId().value - graph.edgeCount();
-  if (removed == removed_edges_ && known > 0) return is_there(known - 1);
-  for (std::size_t i = 0; i < known; ++i)
-    if (!is_there(i)) return false;
+  // Ids are not used twice: without removals since, the newest edge speaks for all.
+  const int newest = newestFactor();
+  const std::size_t removed = graph.nextEdgeId().value - graph.edgeCount();
+  if (removed == removed_edges_ && newest >= 0) return is_there(newest);
+  for (int f = 0; f < problem_.factors(); ++f)
+    if (!is_there(f)) return false;
   removed_edges_ = removed;
   return true;
 }

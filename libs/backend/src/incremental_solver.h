@@ -55,6 +55,9 @@ class IncrementalSolver {
 
  private:
   void reset();
+  /// The last one that is still there; −1 when there is none.
+  int newestFactor() const;
+  void forgetMissing(const CSceneGraph& graph);
   void removeMissing(const CSceneGraph& graph);
   void addNew(const CSceneGraph& graph);
   void takeState(int variable);

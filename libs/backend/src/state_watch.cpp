@@ -5,6 +5,18 @@
 #include <utility>
 
 namespace dynemo::backend {
+namespace {
+
+/// Nodes whose state is fetched from memory before its turn, and where in a node it lies.
+constexpr std::size_t kAhead = 8;
+constexpr int kStateBytes = 128, kCacheLine = 64;
+
+void prefetch(const CNodeBase* node) {
+  for (int at = 0; at < kStateBytes; at += kCacheLine)
+    __builtin_prefetch(reinterpret_cast<const char*>(node) + at);
+}
+
+}  // namespace
 
 void StateWatch::compact(const CSceneGraph& graph) {
   std::size_t end = 0;
@@ -24,6 +36,7 @@ std::span<const NodeId> StateWatch::moved(const CSceneGraph& graph) {
   moved_.clear();
   const auto& slots = graph.nodeSlots();
   for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (i + kAhead < slots.size()) prefetch(slots[i + kAhead].get());
     const std::size_t size = slots[i] ? static_cast<std::size_t>(slots[i]->stateSize()) : 0;
     const bool known = i + 1 < offset_.size();
     if (!known) {
