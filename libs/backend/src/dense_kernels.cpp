@@ -8,7 +8,8 @@
 // sooner. Products are fused with sums (see CMakeLists.txt) on processors that can.
 #if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__)
-#define DYNEMO_WIDEST_VECTORS __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#define DYNEMO_WIDEST_VECTORS \
+  __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
 #else
 #define DYNEMO_WIDEST_VECTORS
 #endif
@@ -60,8 +61,7 @@ template <int kColumns>
 DYNEMO_INLINE void subtractColumns(const double* P, const double* Q, double* C, int ld, int rows,
                                    int depth) {
   int i = 0;
-  for (; i + kLanes < rows; i += 2 * kLanes)
-    subtractTile<2, kColumns>(P + i, Q, C + i, ld, depth);
+  for (; i + kLanes < rows; i += 2 * kLanes) subtractTile<2, kColumns>(P + i, Q, C + i, ld, depth);
   if (i < rows) subtractTile<1, kColumns>(P + i, Q, C + i, ld, depth);
 }
 
@@ -93,15 +93,41 @@ int factorizeColumns(double* A, int ld, int rows, int width) {
   return -1;
 }
 
-/// Σ aᵢ bᵢ, eight partial sums.
-DYNEMO_INLINE double dot(const double* a, const double* b, int n) {
-  Lanes partial{};
+/// yₖ −= Σᵢ aₖᵢ xᵢ for kColumns columns a, eight partial sums each.
+template <int kColumns>
+DYNEMO_INLINE void subtractDots(const double* a, int ld, const double* x, int n, double* y) {
+  Lanes partial[kColumns] = {};
   int i = 0;
-  for (; i + kLanes <= n; i += kLanes) partial += lanes(a + i) * lanes(b + i);
-  double sum = 0.0;
-  for (; i < n; ++i) sum += a[i] * b[i];
-  for (int l = 0; l < kLanes; ++l) sum += partial[l];
-  return sum;
+  for (; i + kLanes <= n; i += kLanes)
+#pragma GCC unroll 8
+    for (int c = 0; c < kColumns; ++c) partial[c] += lanes(at(a, ld, i, c)) * lanes(x + i);
+#pragma GCC unroll 8
+  for (int c = 0; c < kColumns; ++c) {
+    double sum = 0.0;
+    for (int k = i; k < n; ++k) sum += *at(a, ld, k, c) * x[k];
+    for (int l = 0; l < kLanes; ++l) sum += partial[c][l];
+    y[c] -= sum;
+  }
+}
+
+/// kPivots pivots and what they subtract from the rows below, kSides right-hand sides x.
+template <int kPivots>
+DYNEMO_INLINE void eliminateSides(const double* L, int ld, int rows, double* x) {
+  Lanes y[kPivots];
+#pragma GCC unroll 8
+  for (int j = 0; j < kPivots; ++j) {
+    y[j] = lanes(x + kSides * j);
+#pragma GCC unroll 8
+    for (int k = 0; k < j; ++k) y[j] -= y[k] * *at(L, ld, j, k);
+    y[j] /= *at(L, ld, j, j);
+    lanes(x + kSides * j) = y[j];
+  }
+  for (int i = kPivots; i < rows; ++i) {
+    Lanes sum = lanes(x + kSides * i);
+#pragma GCC unroll 8
+    for (int j = 0; j < kPivots; ++j) sum -= y[j] * *at(L, ld, i, j);
+    lanes(x + kSides * i) = sum;
+  }
 }
 
 }  // namespace
@@ -132,13 +158,28 @@ void forwardSubstitute(const double* L, int ld, int rows, int pivots, double* x)
   }
 }
 
+static_assert(kSides == kLanes);
+
+DYNEMO_WIDEST_VECTORS
+void forwardSubstituteSides(const double* L, int ld, int rows, int pivots, double* x) {
+  int j = 0;
+  for (; j + kSides <= pivots; j += kSides)
+    eliminateSides<kSides>(at(L, ld, j, j), ld, rows - j, x + kSides * j);
+  for (; j < pivots; ++j) eliminateSides<1>(at(L, ld, j, j), ld, rows - j, x + kSides * j);
+}
+
 DYNEMO_WIDEST_VECTORS
 void backSubstitute(const double* L, int ld, int rows, int pivots, const double* x, double* y) {
-  for (int j = pivots - 1; j >= 0; --j) {
+  // What is known first, in the order of memory.
+  const int known = rows - pivots;
+  int j = 0;
+  for (; j + kTileColumns <= pivots; j += kTileColumns)
+    subtractDots<kTileColumns>(at(L, ld, pivots, j), ld, x, known, y + j);
+  for (; j < pivots; ++j) subtractDots<1>(at(L, ld, pivots, j), ld, x, known, y + j);
+  for (j = pivots - 1; j >= 0; --j) {
     const double* const column = at(L, ld, 0, j);
-    const double known =
-        dot(column + j + 1, y + j + 1, pivots - j - 1) + dot(column + pivots, x, rows - pivots);
-    y[j] = (y[j] - known) / column[j];
+    subtractDots<1>(column + j + 1, ld, y + j + 1, pivots - j - 1, y + j);
+    y[j] /= column[j];
   }
 }
 

@@ -25,17 +25,20 @@ std::size_t updateSize(int rows) {
 
 }  // namespace
 
-void FrontFactor::build(const LiveProblem& problem, CholmodContext& context) {
-  arena_.clear();
-  tree_.build(problem, context);
-  recompute_.clear();
-  carried_.assign(static_cast<std::size_t>(problem.tangentSize()), 0.0);
+void prefetchPanel(const Front& front) {
+  constexpr int kLine = 64 / sizeof(double), kMost = 1 << 13;
+  const int size = front.pivot_size * (front.pivot_size + front.row_size + 1);
+  for (int i = 0; i < std::min(size, kMost); i += kLine) __builtin_prefetch(front.panel.data + i);
 }
 
-void FrontFactor::build(const LiveProblem& problem, const std::vector<int>& order,
+void FrontFactor::build(const LiveProblem& problem, CholmodContext& context) {
+  build(problem, tree_.order(problem, context), context);
+}
+
+void FrontFactor::build(const LiveProblem& problem, const Elimination& elimination,
                         CholmodContext& context) {
   arena_.clear();
-  tree_.build(problem, order, context);
+  tree_.build(problem, elimination, context);
   recompute_.clear();
   carried_.assign(static_cast<std::size_t>(problem.tangentSize()), 0.0);
 }
@@ -233,7 +236,10 @@ const std::vector<int>& FrontFactor::solve(LiveProblem& problem, double toleranc
     if (recompute_[f] || rows_moved) solveFront(problem, front, tolerance);
     // Dirty fronts lie below dirty ones.
     if (recompute_[f] || rows_moved || any_moved(front.pivots)) {
-      for (int c = front.first_child; c >= 0; c = tree_.front(c).next_sibling) stack_.push_back(c);
+      for (int c = front.first_child; c >= 0; c = tree_.front(c).next_sibling) {
+        if (recompute_[c] || any_moved(tree_.front(c).rows)) prefetchPanel(tree_.front(c));
+        stack_.push_back(c);
+      }
     }
     recompute_[f] = 0;
   }

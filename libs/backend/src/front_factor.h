@@ -24,12 +24,14 @@ struct DensePrior {
   const VectorX* gradient;  ///< at the linearisation
 };
 
+/// Has the front's columns of L on their way from memory before they are used.
+void prefetchPanel(const Front& front);
+
 class FrontFactor {
  public:
-  /// Orders and lays out the problem anew; nothing is factorised yet.
+  /// Lays out the problem anew, in a fresh order or the given one; nothing is factorised yet.
   void build(const LiveProblem& problem, CholmodContext& context);
-  /// The same in a given order.
-  void build(const LiveProblem& problem, const std::vector<int>& order, CholmodContext& context);
+  void build(const LiveProblem& problem, const Elimination& elimination, CholmodContext& context);
   FrontTree& tree() { return tree_; }
   const FrontTree& tree() const { return tree_; }
 

@@ -1,6 +1,9 @@
 #include "front_paths.h"
 
 #include <Eigen/Dense>
+#include <algorithm>
+
+#include "dense_kernels.h"
 
 namespace dynemo::backend {
 
@@ -14,35 +17,32 @@ MatrixX covariance(const PathColumns& a, const PathColumns& b) {
 }
 
 PathColumns PathTracer::trace(const LiveProblem& problem, const FrontTree& tree, int variable) {
+  const auto sides = [&](int v) {
+    return carried_.begin() + static_cast<std::ptrdiff_t>(kSides) * problem.tangentOffset(v);
+  };
   const int columns = problem.tangentSize(variable);
-  if (carried_.rows() < problem.tangentSize()) carried_ = MatrixX::Zero(problem.tangentSize(), 6);
-  carried_.block(problem.tangentOffset(variable), 0, columns, columns).setIdentity();
+  carried_.resize(kSides * static_cast<std::size_t>(problem.tangentSize()), 0.0);
+  for (int i = 0; i < columns; ++i) sides(variable)[(kSides + 1) * i] = 1.0;
   PathColumns path;
   for (int f = tree.frontOf(variable); f >= 0; f = tree.front(f).parent) {
     const Front& front = tree.front(f);
-    if (front.pivot_size == 0) continue;
-    const int n = front.pivot_size + front.row_size;
-    const Eigen::Map<const MatrixX, 0, Eigen::OuterStride<>> L(
-        front.panel.data, n, front.pivot_size, Eigen::OuterStride<>(n + 1));
-    MatrixX y(front.pivot_size, columns);
-    int at = 0;
-    for (const int v : tree.list(front.pivots)) {
-      const int size = problem.tangentSize(v);
-      auto known = carried_.block(problem.tangentOffset(v), 0, size, columns);
-      y.middleRows(at, size) = known;
-      known.setZero();
-      at += size;
-    }
-    L.topRows(front.pivot_size).triangularView<Eigen::Lower>().solveInPlace(y);
-    rows_.noalias() = L.bottomRows(front.row_size) * y;
-    at = 0;
-    for (const int v : tree.list(front.rows)) {
-      const int size = problem.tangentSize(v);
-      carried_.block(problem.tangentOffset(v), 0, size, columns) -= rows_.middleRows(at, size);
-      at += size;
-    }
+    const int p = front.pivot_size, n = p + front.row_size;
+    if (p == 0) continue;
+    x_.clear();
+    for (const auto& list : {tree.list(front.pivots), tree.list(front.rows)})
+      for (const int v : list)
+        x_.insert(x_.end(), sides(v), sides(v) + kSides * problem.tangentSize(v));
+    forwardSubstituteSides(front.panel.data, n + 1, n, p, x_.data());
+    const Eigen::Map<const MatrixX> x(x_.data(), kSides, n);
     path.fronts.push_back(f);
-    path.parts.push_back(std::move(y));
+    path.parts.emplace_back(x.topLeftCorner(columns, p).transpose());
+    for (const int v : tree.list(front.pivots))
+      std::fill_n(sides(v), kSides * problem.tangentSize(v), 0.0);
+    auto rest = x_.begin() + kSides * static_cast<std::ptrdiff_t>(p);
+    for (const int v : tree.list(front.rows)) {
+      std::copy_n(rest, kSides * problem.tangentSize(v), sides(v));
+      rest += kSides * problem.tangentSize(v);
+    }
   }
   return path;
 }

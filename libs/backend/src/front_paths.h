@@ -24,8 +24,9 @@ class PathTracer {
   PathColumns trace(const LiveProblem& problem, const FrontTree& tree, int variable);
 
  private:
-  /// Right-hand sides by tangent entry; zero in between.
-  MatrixX carried_, rows_;
+  /// Right-hand sides by tangent entry, kSides to each; zero in between.
+  std::vector<double> carried_;
+  std::vector<double> x_;  ///< of the front in work
 };
 
 }  // namespace dynemo::backend

@@ -57,37 +57,26 @@ Compact compact(const LiveProblem& problem, int clique, Keep keep) {
 
 }  // namespace
 
-std::vector<int> FrontTree::order(const LiveProblem& problem, CholmodContext& context,
-                                  std::vector<int>& hubs) const {
+Elimination FrontTree::order(const LiveProblem& problem, CholmodContext& context) const {
   std::vector<char> is_hub(static_cast<std::size_t>(problem.variables()), 0);
   for (int f = std::max(0, problem.factors() - kRecentFactors); f < problem.factors(); ++f) {
     for (const int v : problem.variablesOf(f)) is_hub[v] |= problem.degree(v) > kHubDegree;
   }
   std::fill_n(is_hub.begin(), clique_, 1);
   Compact c = compact(problem, clique_, [&](int v) { return !is_hub[v]; });
-  std::vector<int> order;
-  if (!c.variables.empty()) order = eliminationOrder(c.adjacency, context).order;
-  for (int& v : order) v = c.variables[v];
+  Elimination elimination;
+  if (!c.variables.empty()) elimination.order = eliminationOrder(c.adjacency, context).order;
+  for (int& v : elimination.order) v = c.variables[v];
   for (int v = 0; v < problem.variables(); ++v) {
-    if (is_hub[v] && problem.alive(v)) hubs.push_back(v);
+    if (!is_hub[v] || !problem.alive(v)) continue;
+    elimination.order.push_back(v);
+    ++elimination.hubs;
   }
-  order.insert(order.end(), hubs.begin(), hubs.end());
-  return order;
+  return elimination;
 }
 
-void FrontTree::build(const LiveProblem& problem, CholmodContext& context) {
-  std::vector<int> hubs;
-  const std::vector<int> elimination = order(problem, context, hubs);
-  build(problem, elimination, hubs, context);
-}
-
-void FrontTree::build(const LiveProblem& problem, const std::vector<int>& elimination,
+void FrontTree::build(const LiveProblem& problem, const Elimination& elimination,
                       CholmodContext& context) {
-  build(problem, elimination, {}, context);
-}
-
-void FrontTree::build(const LiveProblem& problem, const std::vector<int>& elimination,
-                      const std::vector<int>& hubs, CholmodContext& context) {
   const int clique = clique_;
   *this = FrontTree();
   clique_ = clique;
@@ -96,15 +85,16 @@ void FrontTree::build(const LiveProblem& problem, const std::vector<int>& elimin
   position_.assign(n, -1);
   first_owned_.assign(n, -1);
   next_owned_.assign(static_cast<std::size_t>(problem.factors()), -1);
-  if (elimination.empty()) return;
-  layOut(problem, elimination, hubs, context);
+  if (elimination.order.empty()) return;
+  layOut(problem, elimination, context);
   for (int f = 0; f < problem.factors(); ++f) {
     if (problem.edge(f)) own(problem, f);
   }
 }
 
-void FrontTree::layOut(const LiveProblem& problem, const std::vector<int>& order,
-                       const std::vector<int>& hubs, CholmodContext& context) {
+void FrontTree::layOut(const LiveProblem& problem, const Elimination& elimination,
+                       CholmodContext& context) {
+  const std::vector<int>& order = elimination.order;
   // CHOLMOD finds the supernodes of the block pattern, merging small ones.
   Compact c = compact(problem, clique_, [](int) { return true; });
   const int n = static_cast<int>(order.size());
@@ -129,7 +119,7 @@ void FrontTree::layOut(const LiveProblem& problem, const std::vector<int>& order
   const auto variable = [&](int k) { return c.variables[perm[k]]; };
 
   std::vector<char> is_hub(static_cast<std::size_t>(problem.variables()), 0);
-  for (const int v : hubs) is_hub[v] = 1;
+  for (std::size_t i = order.size() - elimination.hubs; i < order.size(); ++i) is_hub[order[i]] = 1;
   const int count = static_cast<int>(symbolic->nsuper);
   std::vector<char> last(static_cast<std::size_t>(count), 0);
   std::vector<int> supernode_of(static_cast<std::size_t>(n));

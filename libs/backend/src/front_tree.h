@@ -36,17 +36,24 @@ struct Front {
   }
 };
 
+/// All variables in the order in which they are eliminated; the last `hubs` stay behind those that
+/// are appended.
+struct Elimination {
+  std::vector<int> order;
+  std::size_t hubs = 0;
+};
+
 class FrontTree {
  public:
   /// From the next build() on the first `variables` variables are coupled with each other, factor
   /// or not, and come last.
   void setClique(int variables) { clique_ = variables; }
   int clique() const { return clique_; }
-  /// Orders all variables anew: nested dissection (minimum degree when there are few), with hubs
-  /// that the newest factors touch at the end. Every front is dirty then.
-  void build(const LiveProblem& problem, CholmodContext& context);
-  /// The same in a given order of all variables.
-  void build(const LiveProblem& problem, const std::vector<int>& order, CholmodContext& context);
+  /// A fresh order of all variables: nested dissection (minimum degree when there are few), with
+  /// hubs that the newest factors touch at the end.
+  Elimination order(const LiveProblem& problem, CholmodContext& context) const;
+  /// Lays all variables out anew. Every front is dirty then.
+  void build(const LiveProblem& problem, const Elimination& elimination, CholmodContext& context);
   /// Puts the variables at the end of the order, as pivots of fronts of their own.
   void append(const LiveProblem& problem, std::span<const int> variables);
 
@@ -100,12 +107,7 @@ class FrontTree {
   void updateStructure(const LiveProblem& problem, int front);
   void setParent(int front, int parent);
   void store(Front::List& list, const std::vector<int>& values);
-  std::vector<int> order(const LiveProblem& problem, CholmodContext& context,
-                         std::vector<int>& hubs) const;
-  void build(const LiveProblem& problem, const std::vector<int>& order,
-             const std::vector<int>& hubs, CholmodContext& context);
-  void layOut(const LiveProblem& problem, const std::vector<int>& order,
-              const std::vector<int>& hubs, CholmodContext& context);
+  void layOut(const LiveProblem& problem, const Elimination& elimination, CholmodContext& context);
 
   std::vector<Front> fronts_;
   std::vector<int> pool_;

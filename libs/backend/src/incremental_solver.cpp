@@ -86,6 +86,7 @@ void IncrementalSolver::forgetMissing(const CSceneGraph& graph) {
 }
 
 bool IncrementalSolver::synchronize(const CSceneGraph& graph, std::span<const NodeId> moved) {
+  fresh_order_.reset();
   forgetMissing(graph);
   addNew(graph);
   for (const NodeId node : moved) {
@@ -201,7 +202,12 @@ bool IncrementalSolver::renewalIsDue() const {
   return recent / kWorkWindow > total / static_cast<double>(work_.size());
 }
 
+void IncrementalSolver::orderAnew() {
+  if (!fresh_order_) fresh_order_ = factor_.tree().order(problem_, context_);
+}
+
 void IncrementalSolver::renew() {
+  orderAnew();
   // Only what is alive, by id, linearised where the estimates are.
   std::vector<std::pair<std::uint64_t, int>> nodes, edges;
   for (int v = 0; v < problem_.variables(); ++v)
@@ -211,7 +217,9 @@ void IncrementalSolver::renew() {
   std::sort(nodes.begin(), nodes.end());
   std::sort(edges.begin(), edges.end());
   LiveProblem fresh;
-  for (const auto& [id, v] : nodes) fresh.addVariable(problem_.node(v), problem_.estimate(v));
+  std::vector<int> renumbered(static_cast<std::size_t>(problem_.variables()), -1);
+  for (const auto& [id, v] : nodes)
+    renumbered[v] = fresh.addVariable(problem_.node(v), problem_.estimate(v));
   for (const auto& [id, f] : edges) fresh.addFactor(problem_.edge(f));
   problem_ = std::move(fresh);
   unmark(is_pending_, pending_);
@@ -221,7 +229,9 @@ void IncrementalSolver::renew() {
   new_.clear();
   drift_.clear();
   problem_.updateCosts();
-  factor_.build(problem_, context_);
+  for (int& v : fresh_order_->order) v = renumbered[v];
+  factor_.build(problem_, *fresh_order_, context_);
+  fresh_order_.reset();
   needs_build_ = false;
   work_.clear();
   renewal_work_ = 0.0;
@@ -333,7 +343,7 @@ void IncrementalSolver::step(OptimizationReport& report) {
 void IncrementalSolver::prepare(OptimizationReport& report) {
   if (!renewalIsDue()) return;
   const PhaseTimer timer(report.ordering_ms);
-  renew();
+  orderAnew();
 }
 
 bool IncrementalSolver::solve(OptimizationReport& report) {
@@ -342,6 +352,10 @@ bool IncrementalSolver::solve(OptimizationReport& report) {
   if (!needs_build_) start_.run(problem_, new_);
   new_.clear();
   prepare(report);
+  if (fresh_order_) {
+    const PhaseTimer timer(report.symbolic_ms);
+    renew();
+  }
   updateCosts();
   report.cost_before = report.cost_after = problem_.cost();
   if (!std::isfinite(report.cost_before)) return false;

@@ -11,6 +11,7 @@
 // steps since the last renewal have become dear enough to pay for it.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -32,8 +33,9 @@ class IncrementalSolver {
   /// Forgets everything and starts from the graph as it is, which somebody else has solved.
   void restart(const CSceneGraph& graph);
 
-  /// Renews the elimination order when that is due; solve() would. METIS draws from the C library's
-  /// random numbers, so a solve() on another thread wants this done before, on the caller's.
+  /// Makes a fresh elimination order when one is due; solve() would. METIS draws from the C
+  /// library's random numbers, so a solve() on another thread wants this done before, on the
+  /// caller's.
   void prepare(OptimizationReport& report);
   /// One step, more when the cost asks for it. False when there is no solution to be had this way
   /// (a free gauge, a cost that is not finite or that rises): restart() is then due.
@@ -62,6 +64,7 @@ class IncrementalSolver {
   void addNew(const CSceneGraph& graph);
   void takeState(int variable);
   bool renewalIsDue() const;
+  void orderAnew();
   void renew();
   void attendToPending();
   bool isFar(int variable) const;
@@ -83,7 +86,8 @@ class IncrementalSolver {
   LiveProblem problem_;
   FrontFactor factor_;
   LocalStart start_;
-  std::vector<int> new_;  ///< variables that no step has seen
+  std::vector<int> new_;                    ///< variables that no step has seen
+  std::optional<Elimination> fresh_order_;  ///< for the next renewal
   bool needs_build_ = true, renewed_ = false, mostly_new_ = false;
 
   std::vector<int> pending_, stale_;  ///< variables, factors that want to be evaluated anew

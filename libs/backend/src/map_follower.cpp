@@ -12,6 +12,8 @@ void MapFollower::reset(const IncrementalSolver& map) {
   const LiveProblem& problem = map.problem();
   step_.assign(static_cast<std::size_t>(problem.tangentSize()), 0.0);
   returned_ = step_;
+  neglected_.assign(static_cast<std::size_t>(problem.variables()), 0.0);
+  neglected_cost_ = 0.0;
   moved_.assign(static_cast<std::size_t>(problem.variables()), 0);
   right_hand_.assign(static_cast<std::size_t>(map.factor().tree().fronts()), VectorX());
   paths_.clear();
@@ -60,12 +62,20 @@ void MapFollower::solveFront(int f, double tolerance) {
   at = 0;
   for (const int v : tree.list(front.pivots)) {
     const int from = problem.tangentOffset(v);
-    double distance = 0.0;
-    for (int i = from; i < from + problem.tangentSize(v); ++i) {
-      step_[i] = y_[at++];
-      distance = std::max(distance, std::abs(step_[i] - returned_[i]));
+    double distance = 0.0, cost = 0.0;
+    for (int i = from; i < from + problem.tangentSize(v); ++i, ++at) {
+      step_[i] = y_[at];
+      const double rest = step_[i] - returned_[i];
+      distance = std::max(distance, std::abs(rest));
+      // The diagonal of L has the inverse deviation, given what is eliminated later.
+      const double deviations = rest * front.panel.data[static_cast<std::size_t>(at) * (n + 2)];
+      cost += 0.5 * deviations * deviations;
     }
-    if (!(distance > tolerance)) continue;
+    const bool neglected = !(distance > tolerance);
+    neglected_cost_ -= neglected_[v];
+    neglected_[v] = neglected ? cost : 0.0;
+    neglected_cost_ += neglected_[v];
+    if (neglected) continue;
     std::copy_n(&step_[from], problem.tangentSize(v), &returned_[from]);
     moved_[v] = 1;
     changed_.push_back(v);
@@ -87,7 +97,10 @@ const std::vector<int>& MapFollower::follow(const std::vector<PathColumns>& colu
     const bool solved = right_hand_[f].size() > 0 || anyMoved(front.rows);
     if (solved) solveFront(f, tolerance);
     if (!solved && !anyMoved(front.pivots)) continue;
-    for (int c = front.first_child; c >= 0; c = tree.front(c).next_sibling) stack_.push_back(c);
+    for (int c = front.first_child; c >= 0; c = tree.front(c).next_sibling) {
+      if (right_hand_[c].size() > 0 || anyMoved(tree.front(c).rows)) prefetchPanel(tree.front(c));
+      stack_.push_back(c);
+    }
   }
   for (const int v : changed_) moved_[v] = 0;
   return changed_;

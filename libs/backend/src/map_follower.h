@@ -20,6 +20,9 @@ class MapFollower {
   /// that have moved by more than `tolerance` [m, rad] since they were last returned.
   const std::vector<int>& follow(const std::vector<PathColumns>& columns, const VectorX& weights,
                                  double tolerance);
+  /// What the rest costs that is not returned, about: ½ Σ of its squares in standard deviations,
+  /// given what is eliminated later.
+  double neglectedCost() const { return neglected_cost_; }
   /// How far it has moved from the map's estimate, in its tangent.
   const double* step(int variable) const;
 
@@ -30,8 +33,10 @@ class MapFollower {
 
   const IncrementalSolver* map_ = nullptr;
   std::vector<double> step_, returned_;  ///< by tangent entry
-  std::vector<char> moved_;              ///< per variable, in the call in work
-  std::vector<VectorX> right_hand_;      ///< per front; empty where no path leads
+  std::vector<double> neglected_;        ///< cost, per variable
+  double neglected_cost_ = 0.0;
+  std::vector<char> moved_;          ///< per variable, in the call in work
+  std::vector<VectorX> right_hand_;  ///< per front; empty where no path leads
   std::vector<int> paths_, changed_, stack_;
   VectorX x_, y_;
 };

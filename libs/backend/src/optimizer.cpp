@@ -56,15 +56,15 @@ struct Optimizer::Impl {
   /// The elimination tree of the batch method, the last one when nothing but numbers changed.
   void layOut(const Problem& problem, const LiveProblem& live, OptimizationReport& report) {
     if (batch_connectivity == problem.connectivity()) return;
-    std::vector<int> order;
+    Elimination elimination;
     {
       const PhaseTimer timer(report.ordering_ms);
       Adjacency adjacency = adjacencyOf(problem.connectivity());
-      order = kept_order.update(problem, adjacency, context).order;
+      elimination.order = kept_order.update(problem, adjacency, context).order;
     }
     const PhaseTimer timer(report.symbolic_ms);
     batch_factor.keepUpdates(false);
-    batch_factor.build(live, order, context);
+    batch_factor.build(live, elimination, context);
     batch_connectivity = problem.connectivity();
   }
 
@@ -167,7 +167,7 @@ void Optimizer::Impl::optimizeIncrementally(CSceneGraph& graph, OptimizationRepo
   for (const int v : incremental.changed()) {
     if (!problem.alive(v)) continue;
     graph.setState(problem.node(v)->id, problem.estimate(v));
-    watch.record(*problem.node(v), problem.estimate(v));
+    watch.record(*problem.node(v));
   }
 }
 

@@ -62,10 +62,9 @@ std::span<const NodeId> StateWatch::moved(const CSceneGraph& graph) {
   return moved_;
 }
 
-void StateWatch::record(const CNodeBase& node, const double* state) {
+void StateWatch::record(const CNodeBase& node) {
   const std::size_t i = node.id.value;
-  if (i + 1 >= offset_.size()) return;
-  std::copy_n(state, offset_[i + 1] - offset_[i], &states_[offset_[i]]);
+  if (i + 1 < offset_.size() && offset_[i + 1] > offset_[i]) node.readState(&states_[offset_[i]]);
 }
 
 }  // namespace dynemo::backend

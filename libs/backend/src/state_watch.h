@@ -14,8 +14,8 @@ class StateWatch {
   /// Nodes that were seen before and whose state is another one now, ascending. The states of all
   /// nodes count as seen from here on.
   std::span<const NodeId> moved(const CSceneGraph& graph);
-  /// The state was written on purpose.
-  void record(const CNodeBase& node, const double* state);
+  /// The state of the node was written on purpose.
+  void record(const CNodeBase& node);
 
  private:
   void compact(const CSceneGraph& graph);

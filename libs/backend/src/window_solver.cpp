@@ -13,10 +13,15 @@ constexpr int kMaxSteps = 5;
 /// Difference between cost and model, relative to the cost, that asks for another step.
 constexpr double kNonlinearity = 3e-4;
 constexpr double kCostRounding = 1e-9;
-/// Steps up to this are not carried on to the rest of the map [m, rad].
-constexpr double kCarriedAbove = 7e-4;
-/// Nor is anything before it lowers the cost by this share of the map's.
+/// Nothing is carried on to the rest of the map before it lowers the cost by this share of the
+/// map's.
 constexpr double kCarriedCost = 7e-4;
+/// Nor are the smallest steps that cost up to this share together.
+constexpr double kNeglectedCost = 3e-4;
+/// The limit of those [m, rad], by how much it is adjusted, and at which part of that cost it is
+/// raised.
+constexpr double kLeastCarried = 1e-6, kMostCarried = 5e-3;
+constexpr double kAdjustment = 1.5, kLittleNeglected = 0.2;
 
 }  // namespace
 
@@ -161,13 +166,20 @@ void WindowSolver::carryOn(CSceneGraph& graph) {
   carried_ = offset_;
   const LiveProblem& map = prior_.map().problem();
   const VectorX weights = prior_.information() * offset_;
-  for (const int v : follower_.follow(prior_.columns(), weights, kCarriedAbove)) {
-    const CNodeBase& node = *map.node(v);
-    if (problem_.variableOf(node.id) >= 0) continue;
-    state_.resize(static_cast<std::size_t>(node.stateSize()));
-    node.retract(map.estimate(v), follower_.step(v), state_.data());
-    graph.setState(node.id, state_.data());
-    written_.push_back(node.id);
+  while (true) {
+    for (const int v : follower_.follow(prior_.columns(), weights, carried_above_)) {
+      const CNodeBase& node = *map.node(v);
+      if (problem_.variableOf(node.id) >= 0) continue;
+      state_.resize(static_cast<std::size_t>(node.stateSize()));
+      node.retract(map.estimate(v), follower_.step(v), state_.data());
+      graph.setState(node.id, state_.data());
+      written_.push_back(node.id);
+    }
+    const double neglected = follower_.neglectedCost() / (kNeglectedCost * map_cost_);
+    if (neglected < kLittleNeglected)
+      carried_above_ = std::min(carried_above_ * kAdjustment, kMostCarried);
+    if (!(neglected > 1.0) || carried_above_ < kLeastCarried) return;
+    carried_above_ /= kAdjustment * kAdjustment;
   }
 }
 

@@ -52,6 +52,7 @@ class WindowSolver {
   VectorX offset_;
   VectorX carried_;  ///< the same where the rest of the map has followed to
   double map_cost_ = 0.0;
+  double carried_above_ = 7e-4;  ///< smaller steps are not carried on [m, rad]
   std::vector<double> state_;
   std::vector<NodeId> written_;
 };

@@ -56,7 +56,7 @@ void WindowedSolver::write(CSceneGraph& graph) {
     if (!problem.alive(v)) continue;
     const NodeId node = problem.node(v)->id;
     graph.setState(node, problem.estimate(v));
-    watch_.record(*problem.node(v), problem.estimate(v));
+    watch_.record(*problem.node(v));
   }
   window_.reset(resting().solver, resting().edges);
 }
@@ -96,12 +96,7 @@ bool WindowedSolver::trySolve(CSceneGraph& graph, OptimizationReport& report) {
   if (due) begin(graph, report);
   if (unsettled) return true;
   if (!window_.solve(graph, report)) return false;
-  for (const NodeId node : window_.written()) {
-    const auto& state = graph.nodeSlots()[node.value];
-    std::vector<double> values(static_cast<std::size_t>(state->stateSize()));
-    state->readState(values.data());
-    watch_.record(*state, values.data());
-  }
+  for (const NodeId node : window_.written()) watch_.record(*graph.nodeSlots()[node.value]);
   return true;
 }
 
