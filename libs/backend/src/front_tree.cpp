@@ -22,7 +22,7 @@ constexpr std::size_t kAppendedPivots = 8;
 /// Small fronts are merged up to so many variables, as long as no more than this share of the
 /// merged front is zero (cholmod_core.h, nrelax and zrelax).
 constexpr std::size_t kMergedColumns[] = {4, 8, 16};
-constexpr double kMergedZeros[] = {0.3, 0.1, 0.05};
+constexpr double kMergedZeros[] = {0.15, 0.05, 0.02};
 
 /// The alive variables, numbered, and their graph.
 struct Compact {
