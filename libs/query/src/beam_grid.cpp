@@ -2,80 +2,103 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace dynemo {
 namespace {
 
-constexpr int kRows = 180, kColumns = 360;  // one degree
-constexpr double kCellsPerRad = kRows / std::numbers::pi;
+// Directions are laid out without trigonometry: rows by the sine of the elevation, columns by the
+// place on a square around the vertical axis, which grows with the azimuth. A cell is 0.6° to 1.3°.
+constexpr int kRows = 180, kColumns = 360;
 /// Directions further apart than this are not searched: near the sensor the rays are dense.
-constexpr int kMostRows = 6, kMostColumns = 12;
+constexpr float kMostSine = 0.1f, kMostSineOfAzimuth = 0.2f;
 
-int rowOf(double elevation_rad) {
-  const int row = static_cast<int>((elevation_rad + 0.5 * std::numbers::pi) * kCellsPerRad);
+int rowOf(float sine_of_elevation) {
+  const int row = static_cast<int>(0.5f * (sine_of_elevation + 1.0f) * kRows);
   return std::clamp(row, 0, kRows - 1);
 }
 
-int columnOf(double azimuth_rad) {
-  const int column = static_cast<int>((azimuth_rad + std::numbers::pi) * kCellsPerRad);
-  return std::clamp(column, 0, kColumns - 1);
+/// In [0, 4), growing with the azimuth from the direction of -x.
+float aroundSquare(float x, float y) {
+  const float length = std::abs(x) + std::abs(y);
+  if (!(length > 0.0f)) return 2.0f;
+  return y < 0.0f ? 1.0f + x / length : 3.0f - x / length;
+}
+
+int columnOf(float x, float y) {
+  return std::min(static_cast<int>(aroundSquare(x, y) * (0.25f * kColumns)), kColumns - 1);
 }
 
 }  // namespace
 
 BeamGrid::BeamGrid(const PointCloud& cloud, const std::vector<BeamEnd>& ends) {
   std::vector<std::uint32_t> cell(cloud.size());
+  std::vector<float> range_m(cloud.size());
   first_.assign(kRows * kColumns + 1, 0);
   for (std::size_t i = 0; i < cloud.size(); ++i) {
     const Eigen::Vector3f& p = cloud.points[i];
-    const int row = rowOf(std::atan2(p.z(), std::hypot(p.x(), p.y())));
-    cell[i] = static_cast<std::uint32_t>(row * kColumns + columnOf(std::atan2(p.y(), p.x())));
+    range_m[i] = p.norm();
+    const int row = range_m[i] > 0.0f ? rowOf(p.z() / range_m[i]) : 0;
+    cell[i] = static_cast<std::uint32_t>(row * kColumns + columnOf(p.x(), p.y()));
     ++first_[cell[i] + 1];
   }
   for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   beams_.resize(cloud.size());
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const float range_m = cloud.points[i].norm();
-    const Eigen::Vector3f direction =
-        range_m > 0.0f ? Eigen::Vector3f(cloud.points[i] / range_m) : Eigen::Vector3f::UnitX();
-    beams_[next[cell[i]]++] = {direction, range_m, ends[i]};
+    const Eigen::Vector3f direction = range_m[i] > 0.0f
+                                          ? Eigen::Vector3f(cloud.points[i] / range_m[i])
+                                          : Eigen::Vector3f::UnitX();
+    beams_[next[cell[i]]++] = {direction, range_m[i], ends[i]};
   }
 }
 
-Sight BeamGrid::look(const Vector3& p_lidar, const SightParams& params) const {
-  const double range_m = p_lidar.norm();
-  const double widest_m = std::max(params.hit_m, params.ray_radius_m);
-  if (range_m < 2.0 * widest_m) return Sight::kNothing;
-  const double elevation = std::atan2(p_lidar.z(), std::hypot(p_lidar.x(), p_lidar.y()));
-  const double azimuth = std::atan2(p_lidar.y(), p_lidar.x());
-  const double angle = std::asin(widest_m / range_m);
-  const int row = rowOf(elevation), column = columnOf(azimuth);
-  const int rows = std::min(kMostRows, static_cast<int>(std::ceil(angle * kCellsPerRad)));
-  const double narrowing = std::max(0.1, std::cos(elevation));
-  const int columns =
-      std::min(kMostColumns, static_cast<int>(std::ceil(angle * kCellsPerRad / narrowing)));
-  const Eigen::Vector3f p = p_lidar.cast<float>();
-  const auto hit2 = static_cast<float>(params.hit_m * params.hit_m);
-  const auto near2 = static_cast<float>(params.ray_radius_m * params.ray_radius_m);
-  const auto behind = static_cast<float>(params.behind_m);
-  bool through = false, hidden = false;
-  for (int r = std::max(0, row - rows); r <= std::min(kRows - 1, row + rows); ++r) {
-    for (int dc = -columns; dc <= columns; ++dc) {
-      const int c = (column + dc + kColumns) % kColumns;
-      const std::size_t cell = static_cast<std::size_t>(r * kColumns + c);
-      for (std::uint32_t i = first_[cell]; i < first_[cell + 1]; ++i) {
-        const Beam& beam = beams_[i];
-        const float along = beam.direction.dot(p);
-        const float aside2 = p.squaredNorm() - along * along;
-        const float beyond = beam.range_m - along;
-        const bool at_place = std::abs(beyond) <= behind;
-        if (aside2 <= hit2 && at_place && beam.end == BeamEnd::kThing) return Sight::kHit;
-        if (aside2 > near2 || (at_place && beam.end == BeamEnd::kFloor)) continue;
-        (beyond > behind ? through : hidden) = true;
-      }
+Sight BeamGrid::look(const Eigen::Vector3f& p_lidar, const SightParams& params) const {
+  const auto hit_m = static_cast<float>(params.hit_m);
+  const auto radius_m = static_cast<float>(params.ray_radius_m);
+  const auto behind_m = static_cast<float>(params.behind_m);
+  const float widest_m = std::max(hit_m, radius_m);
+  const float range2 = p_lidar.squaredNorm();
+  const float range_m = std::sqrt(range2);
+  if (range_m < 2.0f * widest_m) return Sight::kNothing;
+
+  // The rows and columns that a cone around the place touches.
+  const float up = p_lidar.z() / range_m;
+  const float level = std::sqrt(std::max(0.0f, 1.0f - up * up));
+  const float sine = std::min(widest_m / range_m, kMostSine);
+  const float cosine = std::sqrt(1.0f - sine * sine);
+  const bool at_pole = level < sine;
+  const int lowest = at_pole && up < 0.0f ? 0 : rowOf(up * cosine - level * sine);
+  const int highest = at_pole && up > 0.0f ? kRows - 1 : rowOf(up * cosine + level * sine);
+  const float turn = std::min(sine / std::max(level, sine), kMostSineOfAzimuth);
+  const float keep = std::sqrt(1.0f - turn * turn);
+  const float x = p_lidar.x(), y = p_lidar.y();
+  const int begin = columnOf(x * keep + y * turn, y * keep - x * turn);
+  const int end = columnOf(x * keep - y * turn, y * keep + x * turn);
+
+  const float hit2 = hit_m * hit_m, near2 = radius_m * radius_m, widest2 = widest_m * widest_m;
+  bool hit = false, through = false, hidden = false;
+  const auto pass = [&](std::size_t from, std::size_t to) {
+    for (std::uint32_t i = first_[from]; i < first_[to]; ++i) {
+      const Beam& beam = beams_[i];
+      const float along = beam.direction.dot(p_lidar);
+      const float aside2 = range2 - along * along;
+      if (aside2 > widest2) continue;
+      const float beyond = beam.range_m - along;
+      const bool at_place = std::abs(beyond) <= behind_m;
+      hit |= aside2 <= hit2 && at_place && beam.end == BeamEnd::kThing;
+      if (aside2 > near2 || (at_place && beam.end == BeamEnd::kFloor)) continue;
+      (beyond > behind_m ? through : hidden) = true;
     }
+  };
+  for (int row = lowest; row <= highest; ++row) {
+    const auto cells = static_cast<std::size_t>(row * kColumns);
+    if (begin <= end) {
+      pass(cells + static_cast<std::size_t>(begin), cells + static_cast<std::size_t>(end) + 1);
+    } else {  // across the direction of -x
+      pass(cells, cells + static_cast<std::size_t>(end) + 1);
+      pass(cells + static_cast<std::size_t>(begin), cells + kColumns);
+    }
+    if (hit) return Sight::kHit;
   }
   return through && !hidden ? Sight::kThrough : Sight::kNothing;
 }

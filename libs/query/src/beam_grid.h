@@ -36,7 +36,7 @@ class BeamGrid {
  public:
   /// `ends` has one entry per point.
   BeamGrid(const PointCloud& cloud, const std::vector<BeamEnd>& ends);
-  Sight look(const Vector3& p_lidar, const SightParams& params) const;
+  Sight look(const Eigen::Vector3f& p_lidar, const SightParams& params) const;
 
  private:
   struct Beam {

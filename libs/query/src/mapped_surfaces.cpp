@@ -32,19 +32,21 @@ MappedSurfaces::MappedSurfaces(const CSceneGraph& graph, double tolerance_m)
 void MappedSurfaces::addPlane(PlanePatch patch) {
   const auto index = static_cast<std::uint32_t>(planes_.size());
   SeenPlane& plane = planes_.emplace_back();
-  plane.centers = cellCenters(patch);
-  plane.sights.resize(patch.cells.size());
   plane.axes = orthogonalBasis(patch.normal) / PlanePatch::kCell_m;
   plane.patch = std::move(patch);
-  for (const Vector3& center : plane.centers) {
-    plane.box.extend(center);
+  for (const Vector3& center : cellCenters(plane.patch)) {
     const auto voxel = voxelOf(center.cast<float>(), kVoxel_m);
     if (!voxel) continue;
     // All voxels around each cell: cells are as large as voxels, and turned.
     for (int x = -1; x <= 1; ++x) {
       for (int y = -1; y <= 1; ++y) {
         for (int z = -1; z <= 1; ++z) {
-          auto& list = near_[*voxel + Eigen::Vector3i(x, y, z)];
+          std::uint32_t& number = index_[*voxel + Eigen::Vector3i(x, y, z)];
+          if (number == VoxelIndex::kNone) {
+            number = static_cast<std::uint32_t>(near_.size());
+            near_.emplace_back();
+          }
+          auto& list = near_[number];
           if (list.empty() || list.back() != index) list.push_back(index);
         }
       }
@@ -69,41 +71,35 @@ MappedSurfaces::Kind MappedSurfaces::at(const Vector3& p_map) const {
     }
   }
   const auto voxel = voxelOf(p_map.cast<float>(), kVoxel_m);
-  const auto found = voxel ? near_.find(*voxel) : near_.end();
-  if (found == near_.end()) return Kind::kNone;
-  for (const std::uint32_t i : found->second) {
+  const std::uint32_t number = voxel ? index_.find(*voxel) : VoxelIndex::kNone;
+  if (number == VoxelIndex::kNone) return Kind::kNone;
+  for (const std::uint32_t i : near_[number]) {
     if (isOn(planes_[i], p_map)) return Kind::kPlane;
   }
   return Kind::kNone;
 }
 
-void MappedSurfaces::look(const BeamGrid& scan, const Pose3& T_map_lidar,
-                          const StructureParams& params) {
-  const SightParams sight{0.5 * PlanePatch::kCell_m, params.ray_radius_m, params.behind_m};
-  const Pose3 T_lidar_map = T_map_lidar.inverse();
-  for (SeenPlane& plane : planes_) {
-    if (plane.box.exteriorDistance(T_map_lidar.t) > params.max_range_m) continue;
-    for (std::size_t i = 0; i < plane.centers.size(); ++i) {
-      const Vector3 from_lidar = plane.centers[i] - T_map_lidar.t;
-      const double range_m = from_lidar.norm();
-      if (range_m > params.max_range_m || !isSteep(from_lidar / range_m, plane.patch.normal))
-        continue;
-      plane.sights[i].add(scan.look(T_lidar_map * plane.centers[i], sight));
-    }
+void MappedSurfaces::prepare(std::vector<Viewpoint> scans, const StructureParams& params) {
+  std::vector<SeenPlace> cells;
+  for (const SeenPlane& plane : planes_) {
+    for (const Vector3& center : cellCenters(plane.patch))
+      cells.push_back({center.cast<float>(), plane.patch.normal.cast<float>()});
   }
+  const SightParams sight{0.5 * PlanePatch::kCell_m, params.ray_radius_m, params.behind_m};
+  sights_ = {std::move(cells), std::move(scans), params, sight,
+             PlaceSights::AlongSurface::kNothing};
 }
 
-void MappedSurfaces::eraseSeenThrough(const StructureParams& params) {
+bool MappedSurfaces::eraseSeenThrough() {
+  bool any = false;
+  std::size_t next = 0;
   for (SeenPlane& plane : planes_) {
-    std::vector<std::array<std::int16_t, 2>> kept;
-    for (std::size_t i = 0; i < plane.sights.size(); ++i) {
-      if (plane.sights[i].judge(params) != Permanence::kPassing)
-        kept.push_back(plane.patch.cells[i]);
-    }
-    plane.patch.cells = std::move(kept);
-    plane.sights.clear();
-    plane.centers.clear();
+    any |= std::erase_if(plane.patch.cells, [&](const auto&) {
+             return sights_.at(next++) == Permanence::kPassing;
+           }) > 0;
   }
+  sights_ = {};
+  return any;
 }
 
 }  // namespace dynemo

@@ -63,6 +63,10 @@ void fields(FieldVisitor& v, StructureParams& p) {
            Range::between(0.02, 1.0));
   v.number("max_range_m", p.max_range_m, "Scans from further away say nothing of a place",
            Range::positive());
+  v.integer("max_looks", p.max_looks,
+            "So many scans at most look at a place, from viewpoints and at times that lie apart; "
+            "four times as many where these do not tell",
+            Range::between(8, 1000000));
   v.number("ray_radius_m", p.ray_radius_m,
            "A ray goes through a place when it passes its middle this closely",
            Range::between(0.001, 1.0));

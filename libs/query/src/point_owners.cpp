@@ -12,9 +12,12 @@ namespace {
 /// While a scan is judged.
 constexpr std::int32_t kOnFloor = -3, kOnPlane = -4;
 
+using PointIndices = std::vector<std::uint32_t>;
+
 /// One scan of the map.
 struct MapScan {
   const CNodeKeyframe& keyframe;
+  std::size_t index;  ///< among the scans
   Pose3 T_map_lidar;
   std::vector<Vector3> points_map;
 };
@@ -39,15 +42,13 @@ class Judge {
   }
 
   std::map<NodeId, ScanOwners> owners() {
-    if (params_.seen_through) {
-      forEachScan([&](const MapScan& scan) {
-        surfaces_.look(beamsOf(scan, known(scan)), scan.T_map_lidar, params_);
-      });
-      surfaces_.eraseSeenThrough(params_);
-    }
     std::map<NodeId, ScanOwners> scans;
     forEachScan([&](const MapScan& scan) { scans.emplace(scan.keyframe.id, known(scan)); });
-    if (params_.seen_through) lookAround(scans);
+    if (params_.seen_through) {
+      const std::vector<Viewpoint> views = viewpoints();
+      lookAtSurfaces(views, scans);
+      lookAround(views, scans);
+    }
     forEachScan([&](const MapScan& scan) { finish(scan, scans.at(scan.keyframe.id)); });
     return scans;
   }
@@ -55,9 +56,10 @@ class Judge {
  private:
   template <class Action>
   void forEachScan(const Action& action) const {
+    std::size_t index = 0;
     for (const auto& keyframe : graph_.keyframes()) {
       if (!keyframe->scan) continue;
-      MapScan scan{*keyframe, keyframe->T_map_base() * keyframe->scan->T_base_lidar, {}};
+      MapScan scan{*keyframe, index++, keyframe->T_map_base() * keyframe->scan->T_base_lidar, {}};
       scan.points_map.reserve(keyframe->scan->cloud.size());
       for (const auto& p : keyframe->scan->cloud.points)
         scan.points_map.push_back(scan.T_map_lidar * p.cast<double>());
@@ -78,9 +80,21 @@ class Judge {
       if (kind == MappedSurfaces::Kind::kPlane) owners.owner[i] = kOnPlane;
     }
     if (!params_.volumes) return owners;
-    for (const EntityPlace& place : places_.objectsAt(scan.keyframe.stamp))
-      fill(place, scan, owners);
+    fillObjects(scan, owners, unknown(owners));
     return owners;
+  }
+
+  static PointIndices unknown(const ScanOwners& owners) {
+    PointIndices points;
+    for (std::uint32_t i = 0; i < owners.owner.size(); ++i)
+      if (owners.owner[i] == ScanOwners::kStructure) points.push_back(i);
+    return points;
+  }
+
+  void fillObjects(const MapScan& scan, ScanOwners& owners, const PointIndices& points) const {
+    if (points.empty()) return;
+    for (const EntityPlace& place : places_.objectsAt(scan.keyframe.stamp))
+      fill(place, scan, points, owners);
   }
 
   void takeFragments(const MapScan& scan, ScanOwners& owners) const {
@@ -98,15 +112,16 @@ class Judge {
     }
   }
 
-  /// Gives the points that are inside of a place to its entity, except where something is known to
-  /// last.
-  void fill(const EntityPlace& place, const MapScan& scan, ScanOwners& owners) const {
+  /// Gives those of the points that are inside of a place to its entity, except where something is
+  /// known to last.
+  void fill(const EntityPlace& place, const MapScan& scan, const PointIndices& points,
+            ScanOwners& owners) const {
     const Pose3& T_map_entity = place.placed.T_map_entity;
     const Pose3 T_entity_map = T_map_entity.inverse();
     const double reach_m2 = place.reach_m * place.reach_m;
     const auto index = static_cast<std::int32_t>(owners.entities.size());
     bool any = false;
-    for (std::size_t i = 0; i < scan.points_map.size(); ++i) {
+    for (const std::uint32_t i : points) {
       const Vector3& p_map = scan.points_map[i];
       if (owners.owner[i] != ScanOwners::kStructure) continue;
       if ((p_map - T_map_entity.t).squaredNorm() > reach_m2) continue;
@@ -129,22 +144,56 @@ class Judge {
     return {scan.keyframe.scan->cloud, ends};
   }
 
-  void lookAround(const std::map<NodeId, ScanOwners>& scans) {
+  std::vector<Viewpoint> viewpoints() const {
+    std::vector<Viewpoint> views;
+    forEachScan([&](const MapScan& scan) {
+      views.push_back({scan.T_map_lidar.t, scan.keyframe.stamp});
+    });
+    return views;
+  }
+
+  void look(PlaceSights& sights, const std::map<NodeId, ScanOwners>& scans) const {
+    do {
+      forEachScan([&](const MapScan& scan) {
+        if (sights.looks(scan.index))
+          sights.look(scan.index, beamsOf(scan, scans.at(scan.keyframe.id)), scan.T_map_lidar);
+      });
+    } while (sights.lookCloser());
+  }
+
+  /// Only what is left of the mapped planes tells structure.
+  void lookAtSurfaces(const std::vector<Viewpoint>& views, std::map<NodeId, ScanOwners>& scans) {
+    surfaces_.prepare(views, params_);
+    look(surfaces_.sights(), scans);
+    if (!surfaces_.eraseSeenThrough()) return;
+    forEachScan([&](const MapScan& scan) {
+      ScanOwners& owners = scans.at(scan.keyframe.id);
+      PointIndices freed;
+      for (std::uint32_t i = 0; i < owners.owner.size(); ++i) {
+        if (owners.owner[i] != kOnPlane) continue;
+        if (surfaces_.at(scan.points_map[i]) != MappedSurfaces::Kind::kNone) continue;
+        owners.owner[i] = ScanOwners::kStructure;
+        freed.push_back(i);
+      }
+      if (params_.volumes) fillObjects(scan, owners, freed);
+    });
+  }
+
+  void lookAround(const std::vector<Viewpoint>& views, const std::map<NodeId, ScanOwners>& scans) {
     forEachScan([&](const MapScan& scan) {
       const auto& owner = scans.at(scan.keyframe.id).owner;
       for (std::size_t i = 0; i < owner.size(); ++i)
         if (owner[i] == ScanOwners::kStructure) seen_through_.addPoint(scan.points_map[i]);
     });
-    seen_through_.prepare();
-    forEachScan([&](const MapScan& scan) {
-      seen_through_.look(beamsOf(scan, scans.at(scan.keyframe.id)), scan.T_map_lidar);
-    });
+    seen_through_.prepare(views);
+    look(seen_through_.sights(), scans);
   }
 
   void finish(const MapScan& scan, ScanOwners& owners) const {
     if (params_.volumes) {
+      const PointIndices points = unknown(owners);
       for (const EntityPlace& place : places_.agentsAt(scan.keyframe.stamp))
-        fill(place, scan, owners);
+        fill(place, scan, points, owners);
     }
     for (std::size_t i = 0; i < owners.owner.size(); ++i) {
       std::int32_t& owner = owners.owner[i];

@@ -6,100 +6,79 @@
 namespace dynemo {
 namespace {
 
-constexpr int kBlock = 32;  ///< voxels
 /// Points are on a surface when their spread across it is this small a share of that along it.
 constexpr float kFlat = 0.2f;
 constexpr float kFewestOnSurface = 8.0f;
-int blockOf(int voxel) { return voxel >= 0 ? voxel / kBlock : -((-voxel + kBlock - 1) / kBlock); }
 
 }  // namespace
 
-SeenThrough::SeenThrough(const StructureParams& params)
-    : params_(params), sight_{params.voxel_m, params.ray_radius_m, params.behind_m} {}
+SeenThrough::SeenThrough(const StructureParams& params) : params_(params) {}
 
 void SeenThrough::addPoint(const Vector3& p_map) {
   const Eigen::Vector3f p = p_map.cast<float>();
   const auto size_m = static_cast<float>(params_.voxel_m);
   const auto voxel = voxelOf(p, size_m);
   if (!voxel) return;
-  const auto [it, added] = index_.try_emplace(*voxel, static_cast<std::uint32_t>(places_.size()));
-  if (added) {
+  std::uint32_t& number = index_[*voxel];
+  if (number == VoxelIndex::kNone) {
+    number = static_cast<std::uint32_t>(spreads_.size());
     voxels_.push_back(*voxel);
-    places_.emplace_back();
+    spreads_.emplace_back();
   }
-  Place& place = places_[it->second];
+  Spread& spread = spreads_[number];
   const Eigen::Vector3f local = p - size_m * voxel->cast<float>();
-  place.sum += local;
-  place.squares += local * local.transpose();
-  place.points += 1.0f;
+  spread.sum += local;
+  spread.squares += local * local.transpose();
+  spread.points += 1.0f;
 }
 
-const SeenThrough::Place* SeenThrough::find(const Eigen::Vector3i& voxel) const {
-  const auto it = index_.find(voxel);
-  return it == index_.end() ? nullptr : &places_[it->second];
-}
-
-void SeenThrough::findSurface(const Eigen::Vector3i& voxel, Place& place) const {
+Eigen::Vector3f SeenThrough::normalAt(const Eigen::Vector3i& voxel) const {
   Eigen::Vector3f sum = Eigen::Vector3f::Zero();
   Eigen::Matrix3f squares = Eigen::Matrix3f::Zero();
   float points = 0.0f;
   for (int x = -1; x <= 1; ++x) {
     for (int y = -1; y <= 1; ++y) {
       for (int z = -1; z <= 1; ++z) {
-        const Place* other = find(voxel + Eigen::Vector3i(x, y, z));
-        if (!other) continue;
+        const std::uint32_t number = index_.find(voxel + Eigen::Vector3i(x, y, z));
+        if (number == VoxelIndex::kNone) continue;
+        const Spread& other = spreads_[number];
         const Eigen::Vector3f shift =
             static_cast<float>(params_.voxel_m) *
             Eigen::Vector3f(static_cast<float>(x), static_cast<float>(y), static_cast<float>(z));
-        sum += other->sum + other->points * shift;
-        squares += other->squares + shift * other->sum.transpose() +
-                   other->sum * shift.transpose() + other->points * shift * shift.transpose();
-        points += other->points;
+        sum += other.sum + other.points * shift;
+        squares += other.squares + shift * other.sum.transpose() + other.sum * shift.transpose() +
+                   other.points * shift * shift.transpose();
+        points += other.points;
       }
     }
   }
-  if (points < kFewestOnSurface) return;
+  if (points < kFewestOnSurface) return Eigen::Vector3f::Zero();
   const Eigen::Vector3f mean = sum / points;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> spread(squares / points -
                                                               mean * mean.transpose());
   const Eigen::Vector3f deviations = spread.eigenvalues().cwiseMax(0.0f).cwiseSqrt();
-  if (deviations[0] < kFlat * deviations[1]) place.normal = spread.eigenvectors().col(0);
+  if (deviations[0] >= kFlat * deviations[1]) return Eigen::Vector3f::Zero();
+  return spread.eigenvectors().col(0);
 }
 
-void SeenThrough::prepare() {
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    Place& place = places_[i];
-    place.middle =
-        static_cast<float>(params_.voxel_m) * voxels_[i].cast<float>() + place.sum / place.points;
-    findSurface(voxels_[i], place);
-    blocks_[{blockOf(voxels_[i].x()), blockOf(voxels_[i].y()), blockOf(voxels_[i].z())}].push_back(
-        static_cast<std::uint32_t>(i));
+void SeenThrough::prepare(std::vector<Viewpoint> scans) {
+  const auto size_m = static_cast<float>(params_.voxel_m);
+  std::vector<SeenPlace> places;
+  places.reserve(spreads_.size());
+  for (std::size_t i = 0; i < spreads_.size(); ++i) {
+    const Eigen::Vector3f mean = spreads_[i].sum / spreads_[i].points;
+    places.push_back({size_m * voxels_[i].cast<float>() + mean, normalAt(voxels_[i])});
   }
-}
-
-void SeenThrough::look(const BeamGrid& scan, const Pose3& T_map_lidar) {
-  const Pose3 T_lidar_map = T_map_lidar.inverse();
-  const double block_m = kBlock * params_.voxel_m;
-  const double reach_m = params_.max_range_m + std::sqrt(3.0) * block_m;
-  for (const auto& [block, list] : blocks_) {
-    const Vector3 corner = block_m * Vector3(block[0], block[1], block[2]);
-    if ((corner - T_map_lidar.t).norm() > reach_m) continue;
-    for (const std::uint32_t i : list) {
-      Place& place = places_[i];
-      const Vector3 from_lidar = place.middle.cast<double>() - T_map_lidar.t;
-      const double range_m = from_lidar.norm();
-      if (range_m > params_.max_range_m) continue;
-      const Sight sight = scan.look(T_lidar_map * place.middle.cast<double>(), sight_);
-      if (sight == Sight::kHit || isSteep(from_lidar / range_m, place.normal.cast<double>()))
-        place.sights.add(sight);
-    }
-  }
+  const SightParams sight{params_.voxel_m, params_.ray_radius_m, params_.behind_m};
+  sights_ = {std::move(places), std::move(scans), params_, sight, PlaceSights::AlongSurface::kHits};
+  voxels_ = {};
+  spreads_ = {};
 }
 
 Permanence SeenThrough::at(const Vector3& p_map) const {
   const auto voxel = voxelOf(p_map.cast<float>(), static_cast<float>(params_.voxel_m));
-  const Place* place = voxel ? find(*voxel) : nullptr;
-  return place ? place->sights.judge(params_) : Permanence::kUnknown;
+  const std::uint32_t number = voxel ? index_.find(*voxel) : VoxelIndex::kNone;
+  return number < sights_.size() ? sights_.at(number) : Permanence::kUnknown;
 }
 
 }  // namespace dynemo

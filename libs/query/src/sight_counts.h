@@ -24,6 +24,12 @@ class SightCounts {
     through_since_hit_ = sight == Sight::kHit ? 0 : through_since_hit_ + 1;
   }
   Permanence judge(const StructureParams& params) const;
+  /// Whether more looks would hardly change the judgement: it passes, or lasts to the end.
+  bool isClear(const StructureParams& params) const {
+    const Permanence permanence = judge(params);
+    return permanence == Permanence::kPassing ||
+           (permanence == Permanence::kLasting && through_since_hit_ == 0);
+  }
 
  private:
   std::uint32_t looks_ = 0, hits_ = 0, through_since_hit_ = 0;
@@ -31,8 +37,8 @@ class SightCounts {
 
 /// Rays along a surface pass near to its points and end far behind: only steep ones say that it is
 /// not there. Both directions have unit length; a zero normal is that of no surface.
-inline bool isSteep(const Vector3& ray, const Vector3& normal) {
-  constexpr double kLeastSine = 0.35;
+inline bool isSteep(const Eigen::Vector3f& ray, const Eigen::Vector3f& normal) {
+  constexpr float kLeastSine = 0.35f;
   return normal.isZero() || std::abs(ray.dot(normal)) >= kLeastSine;
 }
 

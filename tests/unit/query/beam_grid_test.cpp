@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+#include <random>
+
 namespace dynemo::test {
 namespace {
 
@@ -16,7 +19,24 @@ PointCloud fan(double end_m) {
 }
 
 Sight look(const PointCloud& cloud, const Vector3& p, BeamEnd end = BeamEnd::kThing) {
-  return BeamGrid(cloud, std::vector<BeamEnd>(cloud.size(), end)).look(p, SightParams());
+  return BeamGrid(cloud, std::vector<BeamEnd>(cloud.size(), end))
+      .look(p.cast<float>(), SightParams());
+}
+
+/// The same without any order of the rays, for a place of another size.
+Sight lookAtAll(const PointCloud& cloud, const Vector3& p, double scale) {
+  const SightParams params;
+  bool through = false, hidden = false;
+  for (const Eigen::Vector3f& end : cloud.points) {
+    const Vector3 direction = end.cast<double>().normalized();
+    const double along = direction.dot(p), beyond = end.cast<double>().norm() - along;
+    const double aside = (p - along * direction).norm();
+    const bool at_place = std::abs(beyond) <= scale * params.behind_m;
+    if (aside <= scale * params.hit_m && at_place) return Sight::kHit;
+    if (along < 0.0 || aside > scale * params.ray_radius_m) continue;
+    (beyond > scale * params.behind_m ? through : hidden) = true;
+  }
+  return through && !hidden ? Sight::kThrough : Sight::kNothing;
 }
 
 TEST(BeamGrid, SeesThroughWhatRaysPass) {
@@ -33,6 +53,40 @@ TEST(BeamGrid, TheSeamOfTheAzimuthIsNoEdge) {
   for (auto& p : behind.points) p.x() = -p.x();
   for (const double y : {-0.02, 0.0, 0.02})
     EXPECT_EQ(look(behind, {-3.0, y, 0.0}), Sight::kThrough);
+}
+
+TEST(BeamGrid, FindsTheRaysOfAllDirections) {
+  std::mt19937 rng(5);
+  std::uniform_real_distribution<double> coordinate(-1.0, 1.0), range_m(2.0, 6.0);
+  const auto direction = [&]() -> Vector3 {
+    for (;;) {
+      const Vector3 v(coordinate(rng), coordinate(rng), coordinate(rng));
+      if (v.norm() > 0.1 && v.norm() < 1.0) return v.normalized();
+    }
+  };
+  PointCloud cloud;
+  for (int i = 0; i < 20'000; ++i)
+    cloud.points.push_back((range_m(rng) * direction()).cast<float>());
+  const BeamGrid grid(cloud, std::vector<BeamEnd>(cloud.size(), BeamEnd::kThing));
+  std::map<Sight, int> seen;
+  const auto check = [&](const Vector3& along) {
+    // Straight up and down not all azimuths are searched.
+    if (std::abs(along.z()) > 0.9) return;
+    const Vector3 p = range_m(rng) * along;
+    const Sight sight = lookAtAll(cloud, p, 0.999);
+    if (sight != lookAtAll(cloud, p, 1.001)) return;  // a matter of rounding
+    EXPECT_EQ(grid.look(p.cast<float>(), SightParams()), sight) << p.transpose();
+    ++seen[sight];
+  };
+  for (int i = 0; i < 1000; ++i) check(direction());
+  // Where columns end.
+  for (int i = 0; i < 300; ++i) {
+    const Vector3 aside(0.0, 0.02 * coordinate(rng), 0.02 * coordinate(rng));
+    check((-Vector3::UnitX() + aside).normalized());
+    check((Vector3::UnitX() + aside).normalized());
+  }
+  for (const Sight sight : {Sight::kNothing, Sight::kHit, Sight::kThrough})
+    EXPECT_GT(seen[sight], 50);
 }
 
 TEST(BeamGrid, OneReturnAtThePlaceCountsMoreThanRaysBeside) {

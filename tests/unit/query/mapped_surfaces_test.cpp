@@ -59,11 +59,14 @@ TEST_F(Surfaces, EndWhereScansSeeThrough) {
   MappedSurfaces surfaces(graph_, 0.05);
   const StructureParams params;
   const PointCloud cloud = wall(0.5);
-  for (int i = 0; i < 4; ++i) {
-    surfaces.look(BeamGrid(cloud, std::vector<BeamEnd>(cloud.size(), BeamEnd::kThing)), Pose3(),
-                  params);
+  std::vector<Viewpoint> scans;
+  for (int i = 0; i < 4; ++i) scans.push_back({Vector3::Zero(), {1'000'000'000LL * i}});
+  surfaces.prepare(scans, params);
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    surfaces.sights().look(i, BeamGrid(cloud, std::vector<BeamEnd>(cloud.size(), BeamEnd::kThing)),
+                           Pose3());
   }
-  surfaces.eraseSeenThrough(params);
+  EXPECT_TRUE(surfaces.eraseSeenThrough());
   EXPECT_EQ(surfaces.at({4.0, 0.3, 1.0}), Kind::kPlane);
   EXPECT_EQ(surfaces.at({4.0, -0.8, 1.0}), Kind::kPlane);
   EXPECT_EQ(surfaces.at({4.0, 0.8, 1.0}), Kind::kNone);

@@ -42,8 +42,8 @@ struct ScanOwners {
 /// 4. So is one of an agent that is seen shortly before and after, unless most other scans see
 ///    something there, too.
 /// 5. A point at a place that other scans see through belongs to something that only passed by.
-/// The time is linear in the points of all scans, and in the keyframes times the places within
-/// reach of each.
+/// The time is linear in the points of all scans and in the places, each of which a bounded number
+/// of scans looks at.
 class PointOwners {
  public:
   PointOwners(const CSceneGraph& graph, const std::map<NodeId, Matrix6>& entity_covariances,

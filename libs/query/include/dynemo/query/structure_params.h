@@ -22,6 +22,9 @@ struct StructureParams {
   double voxel_m = 0.1;
   /// Scans from further away say nothing of a place.
   double max_range_m = 15.0;
+  /// So many scans at most look at a place, from viewpoints and at times that lie apart; four times
+  /// as many where these do not tell.
+  int max_looks = 64;
   /// A ray goes through a place when it passes its middle this closely and ends so far behind it.
   double ray_radius_m = 0.05;
   double behind_m = 0.15;
