@@ -88,18 +88,54 @@ std::string sensorDetails(const SensorInspection& s, const Widths& w) {
   return text + "\n";
 }
 
+std::string tagRow(const SurveyedTag& tag) {
+  return format("%6d %6d %7.0f px %7.0f px", tag.id, tag.sightings, tag.min_edge_px,
+                tag.max_edge_px) +
+         (tag.measured_size_m
+              ? format("   %.3f m (%d points)\n", *tag.measured_size_m, tag.size_points)
+              : "   -\n");
+}
+
+/// Ascending ids as "1-4, 7".
+std::string idRanges(const std::vector<SurveyedTag>& tags) {
+  std::string text;
+  for (std::size_t first = 0, last = 0; first < tags.size(); first = ++last) {
+    while (last + 1 < tags.size() && tags[last + 1].id == tags[last].id + 1) ++last;
+    text += (text.empty() ? "" : ", ") + std::to_string(tags[first].id);
+    if (last > first) text += (last > first + 1 ? "-" : ", ") + std::to_string(tags[last].id);
+  }
+  return text;
+}
+
+/// What all of them have in common, in one line.
+std::string tagsTogether(const std::vector<SurveyedTag>& tags) {
+  int sightings = 0, measured = 0;
+  double smallest_px = tags.front().min_edge_px, largest_px = 0.0;
+  double smallest_m = 1e9, largest_m = 0.0;
+  for (const SurveyedTag& tag : tags) {
+    sightings += tag.sightings;
+    smallest_px = std::min(smallest_px, tag.min_edge_px);
+    largest_px = std::max(largest_px, tag.max_edge_px);
+    if (!tag.measured_size_m) continue;
+    ++measured;
+    smallest_m = std::min(smallest_m, *tag.measured_size_m);
+    largest_m = std::max(largest_m, *tag.measured_size_m);
+  }
+  std::string text = format("%zu tags, seen %d times, edges of %.0f to %.0f px, ", tags.size(),
+                            sightings, smallest_px, largest_px);
+  text += measured > 0 ? format("%d measured with %.3f to %.3f m", measured, smallest_m, largest_m)
+                       : std::string("none measured");
+  return text + ": ids " + idRanges(tags) + "\n";
+}
+
 std::string tagsText(const Inspection& log) {
+  constexpr std::size_t kMostRows = 12;
   if (log.images_searched == 0) return {};
   std::string text = format("\nTags seen in %llu of the images\n",
                             static_cast<unsigned long long>(log.images_searched));
+  if (log.tags.size() > kMostRows) return text + tagsTogether(log.tags);
   if (!log.tags.empty()) text += "    id   seen   smallest    largest   measured size\n";
-  for (const SurveyedTag& tag : log.tags) {
-    text += format("%6d %6d %7.0f px %7.0f px", tag.id, tag.sightings, tag.min_edge_px,
-                   tag.max_edge_px);
-    text += tag.measured_size_m
-                ? format("   %.3f m (%d points)\n", *tag.measured_size_m, tag.size_points)
-                : "   -\n";
-  }
+  for (const SurveyedTag& tag : log.tags) text += tagRow(tag);
   return text;
 }
 

@@ -392,6 +392,36 @@ TEST_F(Check, AFileThatIsNoRawlogIsAnError) {
   EXPECT_THROW(inspect(), DataError);
 }
 
+TEST_F(Check, ManyTagsAreToldTogether) {
+  writeLog(log, {});
+  auto inspection = inspect();
+  inspection.images_searched = 44;
+  const auto add = [&](int id, std::optional<double> size_m) {
+    SurveyedTag& tag = inspection.tags.emplace_back();
+    tag.id = id;
+    tag.sightings = 2;
+    tag.min_edge_px = 10.0 + id;
+    tag.max_edge_px = 20.0 + id;
+    tag.measured_size_m = size_m;
+    tag.size_points = 30;
+  };
+  for (const int id : {1, 2, 3, 4, 7, 9, 10, 100, 101, 102, 103}) add(id, std::nullopt);
+  add(586, 0.281);
+  const std::string few = inspectionText(inspection);
+  EXPECT_NE(few.find("    id   seen   smallest"), std::string::npos) << few;
+  EXPECT_NE(few.find("   586      2     596 px     606 px   0.281 m (30 points)\n"),
+            std::string::npos)
+      << few;
+  add(587, 0.30);
+  const std::string many = inspectionText(inspection);
+  EXPECT_NE(many.find("Tags seen in 44 of the images\n"
+                      "13 tags, seen 26 times, edges of 11 to 607 px, 2 measured with 0.281 to "
+                      "0.300 m: ids 1-4, 7, 9, 10, 100-103, 586, 587\n"),
+            std::string::npos)
+      << many;
+  EXPECT_EQ(many.find("    id   seen"), std::string::npos) << many;
+}
+
 TEST_F(Check, TextAndJsonTellTheSame) {
   writeLog(log, {});
   const auto inspection = inspect();
