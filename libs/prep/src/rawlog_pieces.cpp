@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "dynemo/core/error.h"
+
 namespace dynemo {
 namespace {
 
@@ -75,8 +77,13 @@ PieceReader::PieceReader(const std::filesystem::path& rawlog, WarningCounter& wa
 std::optional<StoredObject> PieceReader::read() {
   if (ahead_) return std::exchange(ahead_, std::nullopt);
   while (auto entry = reader_.next()) {
+    any_ = true;
     if (entry->kind != Kind::kNull) return StoredObject{std::move(*entry)};
     warnings_.count("stored null object left out");
+  }
+  if (!any_) {
+    throw DataError(file_.string() + ": holds no object" +
+                    (reader_.damage().empty() ? "" : ": " + reader_.damage()));
   }
   if (!reader_.damage().empty() && !damage_counted_) {
     damage_counted_ = true;

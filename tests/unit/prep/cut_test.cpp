@@ -44,6 +44,27 @@ TEST_F(Cut, TrimTakesUnixTimes) {
   EXPECT_EQ(after.back().stamp, at(5.0));
 }
 
+TEST_F(Cut, ALogWithoutAnyObjectIsAnError) {
+  writeFile(input, std::string("\x1f\x8b\x08\x00", 4));
+  const auto refusal = [](const auto& action) -> std::string {
+    try {
+      action();
+    } catch (const DataError& e) {
+      return e.what();
+    }
+    return "accepted";
+  };
+  const fs::path good = folder / "good.rawlog";
+  writeLog(good, {.duration_s = 1});
+  for (const std::string& what :
+       {refusal([&] { decimateRawlog(input, output, {.keep_every = 2}, {}); }),
+        refusal([&] { trimRawlog(input, output, {.from_s = 0.0, .to_s = 1.0}, {}); }), refusal([&] {
+          mergeRawlogs({good, input}, output, {});
+        })})
+    EXPECT_NE(what.find("in.rawlog: holds no object: "), std::string::npos) << what;
+  EXPECT_EQ(filesIn(folder / ""), (std::vector<std::string>{"good.rawlog", "in.rawlog"}));
+}
+
 TEST_F(Cut, AnEmptyResultIsAnErrorAndLeavesNothing) {
   EXPECT_THROW(trimRawlog(input, output, {.from_s = 100.0, .to_s = {}}, {}), DataError);
   EXPECT_THROW(trimRawlog(input, output, {.from_s = 2.0, .to_s = 1.0}, {}), ConfigError);

@@ -50,7 +50,8 @@ class PieceReader {
   PieceReader(const std::filesystem::path& rawlog, WarningCounter& warnings);
 
   /// The next piece, or nothing at the end; damage ends the rawlog with a counted warning. Stored
-  /// null objects, which crash other programs, are left out and counted.
+  /// null objects, which crash other programs, are left out and counted. Throws DataError when the
+  /// rawlog holds no object at all.
   std::optional<RawlogPiece> next();
 
   const std::filesystem::path& file() const { return file_; }
@@ -64,7 +65,7 @@ class PieceReader {
   RawlogReader reader_;
   WarningCounter& warnings_;
   std::optional<StoredObject> ahead_;
-  bool damage_counted_ = false;
+  bool any_ = false, damage_counted_ = false;
 };
 
 }  // namespace dynemo
