@@ -1,15 +1,19 @@
 #include "dynemo/prep/rawlog_output.h"
 
+#include <fcntl.h>
 #include <mrpt/img/CImage.h>
 #include <mrpt/io/CStream.h>
 #include <mrpt/serialization/CArchive.h>
 #include <mrpt/serialization/archiveFrom_std_streams.h>
+#include <unistd.h>
 #include <zlib.h>
 
+#include <cerrno>
 #include <fstream>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "dynemo/core/error.h"
 #include "dynemo/prep/external_references.h"
@@ -35,7 +39,12 @@ class RawlogOutput::Stream : public mrpt::io::CStream {
     const auto* bytes = static_cast<const char*>(buffer);
     for (size_t done = 0; done < count;) {
       const auto step = static_cast<unsigned>(std::min<size_t>(count - done, 1 << 30));
-      if (gzwrite(handle_, bytes + done, step) != static_cast<int>(step)) fail();
+      if (gzwrite(handle_, bytes + done, step) != static_cast<int>(step)) {
+        const int error = errno;
+        int code = Z_OK;
+        gzerror(handle_, &code);
+        fail(code, error);
+      }
       done += step;
     }
     written_ += count;
@@ -43,15 +52,17 @@ class RawlogOutput::Stream : public mrpt::io::CStream {
   }
   void close() {
     const int result = gzclose(std::exchange(handle_, nullptr));
-    if (result != Z_OK) fail();
+    if (result != Z_OK) fail(result, errno);
   }
   uint64_t Seek(int64_t, TSeekOrigin) override { throw std::logic_error("written in sequence"); }
   uint64_t getTotalBytesCount() const override { return written_; }
   uint64_t getPosition() const override { return written_; }
 
  private:
-  [[noreturn]] void fail() const {
-    throw DataError(file_.string() + ": cannot be written (disk full?)");
+  [[noreturn]] void fail(int zlib_code, int error) const {
+    throw DataError(
+        file_.string() + ": cannot be written: " +
+        (zlib_code == Z_ERRNO ? std::generic_category().message(error) : "compression failed"));
   }
   fs::path file_;
   gzFile handle_ = nullptr;
@@ -79,6 +90,29 @@ bool sameContent(const fs::path& a, const fs::path& b) {
   std::ifstream in_a(a, std::ios::binary), in_b(b, std::ios::binary);
   return std::equal(std::istreambuf_iterator<char>(in_a), std::istreambuf_iterator<char>(),
                     std::istreambuf_iterator<char>(in_b));
+}
+
+/// std::filesystem::copy_file calls a disk that gets full on the way an input/output error.
+std::error_code copyFile(const fs::path& from, const fs::path& to) {
+  const auto error = [] { return std::error_code(errno, std::generic_category()); };
+  const int in = ::open(from.c_str(), O_RDONLY | O_CLOEXEC);
+  if (in < 0) return error();
+  const int out = ::open(to.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  std::error_code failure = out < 0 ? error() : std::error_code();
+  std::vector<char> buffer(1 << 16);
+  while (!failure) {
+    const ssize_t got = ::read(in, buffer.data(), buffer.size());
+    if (got < 0) failure = error();
+    if (got <= 0) break;
+    for (ssize_t done = 0; done < got && !failure;) {
+      const ssize_t put = ::write(out, buffer.data() + done, static_cast<std::size_t>(got - done));
+      if (put < 0) failure = error();
+      if (put > 0) done += put;
+    }
+  }
+  ::close(in);
+  if (out >= 0 && ::close(out) != 0 && !failure) failure = error();
+  return failure;
 }
 
 /// Whether a name stays inside of the folder it is put under.
@@ -193,7 +227,7 @@ bool RawlogOutput::takeOver(mrpt::obs::CObservation& observation, const std::str
   std::error_code failure;
   fs::create_directories(target.parent_path(), failure);
   if (transfer_ == ImageTransfer::kHardLink) fs::create_hard_link(*source, target, failure);
-  if (transfer_ == ImageTransfer::kCopy || failure) fs::copy_file(*source, target, failure);
+  if (transfer_ == ImageTransfer::kCopy || failure) failure = copyFile(*source, target);
   if (failure) throw DataError(target.string() + ": cannot be written: " + failure.message());
   return renamed;
 }

@@ -2,6 +2,9 @@
 #include <gtest/gtest.h>
 #include <mrpt/obs/CObservationImage.h>
 
+#include <sys/resource.h>
+
+#include <csignal>
 #include <opencv2/imgcodecs.hpp>
 
 #include "dynemo/core/error.h"
@@ -48,6 +51,45 @@ TEST_F(Output, TakesAlongTheImagesOfWhatIsKept) {
   trimRawlog(input, output, {.from_s = 0.05, .to_s = 0.15}, {});
   EXPECT_EQ(filesIn(folder / "out_Images"), std::vector<std::string>{"b.png"});
   EXPECT_EQ(readBytes(folder / "out_Images" / "b.png"), "bytes of b.png");
+}
+
+/// The message of the error; empty without one.
+template <class Action>
+std::string messageOf(const Action& action) {
+  try {
+    action();
+  } catch (const DataError& e) {
+    return e.what();
+  }
+  return {};
+}
+
+TEST_F(Output, AFullDiskIsSaidToBeFull) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP() << "this system has no /dev/full";
+  writeLog(input, {.duration_s = 20});
+  for (const bool compressed : {false, true}) {
+    fs::create_symlink("/dev/full", folder / "out.rawlog.part");
+    const std::string message =
+        messageOf([&] { trimRawlog(input, output, {}, {.compressed = compressed}); });
+    EXPECT_NE(message.find("cannot be written: No space left on device"), std::string::npos)
+        << message;
+  }
+  EXPECT_EQ(filesIn(folder / ""), std::vector<std::string>{"in.rawlog"});
+}
+
+TEST_F(Output, AnImageThatDoesNotFitIsSaidNotToFit) {
+  writeExternal(input, {"a.jpg"}, std::string(300'000, 'x'));
+  // A limit in the middle of the file stands for a disk that gets full there.
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{100'000, before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const std::string message = messageOf([&] { trimRawlog(input, output, {}, {}); });
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_NE(message.find("a.jpg: cannot be written: File too large"), std::string::npos) << message;
+  EXPECT_EQ(filesIn(folder / ""), (std::vector<std::string>{"in.rawlog", "in_Images"}));
 }
 
 TEST_F(Output, LinksInsteadOfCopyingWhenAsked) {
