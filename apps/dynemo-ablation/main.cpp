@@ -81,6 +81,7 @@ experiments::ExperimentPlan choosePlan(const Options& o) {
 
 int run(const Options& o) {
   const experiments::ExperimentPlan plan = choosePlan(o);
+  prepareFolderOf(o.output / "report.html");
   StudyOptions study{o.output, o.jobs, {}};
   if (!o.quiet) {
     study.on_result = [](const experiments::RunResult& r, std::size_t done, std::size_t of) {

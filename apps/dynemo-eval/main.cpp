@@ -41,6 +41,7 @@ void evaluate(const Options& options) {
     throw dynemo::ConfigError("--entities-reference: needs a run's folder; " + options.run +
                               " is a single trajectory");
   }
+  if (!options.json.empty()) dynemo::prepareFolderOf(options.json);
   const dynemo::Trajectory reference = dynemo::readTum(options.reference);
   std::optional<dynemo::EntityTruths> truths;
   if (!options.entities_reference.empty()) {

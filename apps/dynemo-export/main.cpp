@@ -7,6 +7,7 @@
 #include "../common/program.h"
 #include "../common/time_argument.h"
 #include "dynemo/core/config.h"
+#include "dynemo/core/output_file.h"
 #include "dynemo/exporters/exporter.h"
 
 namespace fs = std::filesystem;
@@ -92,6 +93,7 @@ int run(const Options& o) {
   }
   const auto exporter = exporters().make(o.format, params);
   const fs::path output = outputFile(o, *exporter);
+  prepareFolderOf(output);
   const bool replaces = fs::exists(output);
   exporter->write(resultOf(session), output);
   if (replaces) print("replaced    " + output.string() + "\n");

@@ -96,6 +96,7 @@ int optimize(const Options& options) {
   CSceneGraph& graph = contents.graph;
   if (contents.relative_edges == 0) throw DataError(options.graph + ": holds no edge");
 
+  if (!options.output.empty()) prepareFolderOf(options.output);
   const Pose3 T_map_anchor = graph.keyframes().front()->T_map_node;
   const auto start = std::chrono::steady_clock::now();
   const std::string chosen = chooseStart(graph, options.initial);

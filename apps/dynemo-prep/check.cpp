@@ -55,6 +55,7 @@ int surveyTags(const SurveyArguments& o, std::optional<double> size_m, int min_s
   const DynemoParams config = loadParams(o.config);
   if (fs::exists(output))
     throw DataError(output.string() + ": exists already and is not overwritten");
+  prepareFolderOf(output);
   const TagSurveyParams params{o.family, config.perception.tag_finder, size_m};
   TagSurvey survey(params);
   const auto source = makeRawlogSource(config.sensors, o.rawlog);

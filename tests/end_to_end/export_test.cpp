@@ -57,6 +57,18 @@ TEST(Export, EveryOutputOfARunIsWrittenAgainTheSame) {
   EXPECT_GE(compared, 7u);
 }
 
+TEST(Export, TheFolderOfTheOutputIsMadeOrRefusedBeforehand) {
+  const TemporaryFolder folder;
+  exported(folder, "keyframes", "made/for/it/k.tum");
+  EXPECT_TRUE(fs::exists(folder / "made/for/it/k.tum"));
+  writeBytes(folder / "file", "");
+  const Outcome refused =
+      exportRun(bundledRun("full").folder(), "map", folder / "file" / "map.png");
+  EXPECT_EQ(refused.status, kData);
+  EXPECT_NE(refused.err.find("file/map.png: cannot be written: Not a directory"), std::string::npos)
+      << refused.err;
+}
+
 TEST(Export, SlamWritesWhatOutputsName) {
   const TemporaryFolder folder;
   Dataset cut = bundledSample();

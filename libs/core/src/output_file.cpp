@@ -1,5 +1,8 @@
 #include "dynemo/core/output_file.h"
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <charconv>
 #include <set>
 #include <system_error>
@@ -21,6 +24,17 @@ void AppendFile::line(const std::string& text) {
     out_.clear();
     throw DataError(file_.string() + ": cannot be written (disk full?)");
   }
+}
+
+void prepareFolderOf(const fs::path& file) {
+  // An ending slash names the folder itself.
+  const fs::path folder =
+      fs::absolute(file.has_filename() ? file : file.parent_path()).parent_path();
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (!failure && ::access(folder.c_str(), W_OK | X_OK) != 0)
+    failure = std::error_code(errno, std::generic_category());
+  if (failure) throw DataError(file.string() + ": cannot be written: " + failure.message());
 }
 
 void writeFileAtomically(const fs::path& file, const std::string& content) {

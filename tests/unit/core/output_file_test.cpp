@@ -61,6 +61,26 @@ TEST_F(OutputFile, MissingFolderIsAnError) {
   }
 }
 
+TEST_F(OutputFile, TheFolderOfAFileIsMadeBeforehand) {
+  for (const fs::path& file : {folder_ / "a" / "b" / "x.txt", folder_ / "c" / "d" / ""}) {
+    prepareFolderOf(file);
+    EXPECT_TRUE(fs::is_directory(folder_ / "a" / "b"));
+  }
+  EXPECT_TRUE(fs::is_directory(folder_ / "c"));
+  EXPECT_FALSE(fs::exists(folder_ / "c" / "d"));
+  writeFileAtomically(folder_ / "a" / "b" / "x.txt", "x");
+  for (const fs::path& file : {folder_ / "a" / "b" / "x.txt" / "y", fs::path("/proc/nowhere/y")}) {
+    try {
+      prepareFolderOf(file);
+      ADD_FAILURE() << file << " can be made";
+    } catch (const DataError& e) {
+      EXPECT_NE(std::string(e.what()).find(file.string() + ": cannot be written: "),
+                std::string::npos)
+          << e.what();
+    }
+  }
+}
+
 TEST_F(OutputFile, AtomicWriteReplacesAndLeavesNothingBehind) {
   writeFileAtomically(folder_ / "x.txt", "first");
   writeFileAtomically(folder_ / "x.txt", std::string("second\0half", 11));

@@ -23,6 +23,10 @@ class AppendFile {
   std::ofstream out_;
 };
 
+/// Creates the folder that the file shall be in, for programs to call before they work out what to
+/// write. Throws DataError when that fails, or when no file can be made in it.
+void prepareFolderOf(const std::filesystem::path& file);
+
 /// Replaces `file` by `content` in one step (a temporary file beside it, renamed). Throws
 /// DataError, leaving an earlier version in place, when it cannot be written.
 void writeFileAtomically(const std::filesystem::path& file, const std::string& content);
