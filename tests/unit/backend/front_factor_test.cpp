@@ -72,6 +72,26 @@ TEST_P(Kernels, BackSubstitutionSolves) {
   EXPECT_LT((y - x.head(pivots)).norm(), 1e-9 * x.norm());
 }
 
+TEST_P(Kernels, ForwardSubstitutionEliminatesAllSides) {
+  const auto [rows, pivots] = GetParam();
+  MatrixX L = padded(randomSpd(rows, 10));
+  factorizePivots(L.data(), rows + kPaddingRows, rows, pivots);
+  L.conservativeResize(rows, rows);
+  std::mt19937_64 rng(11);
+  MatrixX x(kSides, rows);
+  for (double& entry : x.reshaped()) entry = std::normal_distribution<double>()(rng);
+  const MatrixX b = x.transpose();
+  forwardSubstituteSides(L.data(), rows, rows, pivots, x.data());
+  MatrixX one = b;
+  for (int side = 0; side < kSides; ++side)
+    forwardSubstitute(L.data(), rows, rows, pivots, one.col(side).data());
+  EXPECT_LT((x.transpose() - one).norm(), 1e-9 * b.norm());
+  const MatrixX panel = L.leftCols(pivots).triangularView<Eigen::Lower>();
+  MatrixX back = panel * x.leftCols(pivots).transpose();
+  back.bottomRows(rows - pivots) += x.rightCols(rows - pivots).transpose();
+  EXPECT_LT((back - b).norm(), 1e-9 * panel.norm() * b.norm());
+}
+
 INSTANTIATE_TEST_SUITE_P(Sizes, Kernels,
                          ::testing::Values(std::pair{1, 1}, std::pair{7, 6}, std::pair{36, 24},
                                            std::pair{37, 24}, std::pair{49, 48}, std::pair{97, 49},
