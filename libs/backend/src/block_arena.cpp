@@ -41,9 +41,9 @@ constexpr std::size_t kBigFreeShare = 4;
 
 void BlockArena::Unmap::operator()(double* data) const { munmap(data, size * sizeof(double)); }
 
-BlockArena::Pages BlockArena::map(std::size_t size) {
+BlockArena::Pages BlockArena::map(std::size_t size, bool all_at_once) {
   void* const data = mmap(nullptr, size * sizeof(double), PROT_READ | PROT_WRITE,
-                          MAP_PRIVATE | MAP_ANONYMOUS | MAP_POPULATE, -1, 0);
+                          MAP_PRIVATE | MAP_ANONYMOUS | (all_at_once ? MAP_POPULATE : 0), -1, 0);
   if (data == MAP_FAILED) throw std::bad_alloc();
   return Pages(static_cast<double*>(data), {size});
 }
@@ -67,7 +67,7 @@ void BlockArena::reserve(Block& block, std::size_t size) {
     block.data = carve(c.size);
     return;
   }
-  block.data = big_.emplace_back(Big{map(c.size), c.index}).data.get();
+  block.data = big_.emplace_back(Big{map(c.size, true), c.index}).data.get();
   big_size_ += c.size;
 }
 
@@ -105,7 +105,7 @@ double* BlockArena::carve(std::size_t size) {
     ++current_;
     chunk_used_ = 0;
   }
-  if (current_ == chunks_.size()) chunks_.push_back(map(kChunk));
+  if (current_ == chunks_.size()) chunks_.push_back(map(kChunk, !chunks_.empty()));
   double* const data = chunks_[current_].get() + chunk_used_;
   chunk_used_ += size;
   return data;

@@ -48,7 +48,8 @@ class BlockArena {
   /// Four classes to every doubling.
   static constexpr int kClasses = 160;
 
-  static Pages map(std::size_t size);
+  /// Pages that the system provides at once, when all are wanted, or one by one.
+  static Pages map(std::size_t size, bool all_at_once);
   double* carve(std::size_t size);
 
   /// Of kChunk doubles; those before the current one are in use.
