@@ -269,10 +269,13 @@ GraphDelta GeneratedWorld::nextKeyframe(const CSceneGraph& graph) {
   if (params_.planes && k_ % 3 == 0) seeStructure(graph, delta, *keyframe);
   const int before = lastVisit(k_);
   if (params_.loop_every > 0 && before >= 0 && k_ % params_.loop_every == 0) {
-    if (const CNodeKeyframe* seen = stillThere(graph, params_, before)) {
+    const CNodeKeyframe* seen = stillThere(graph, params_, before);
+    const Pose3 T_map_seen = robotAt(seen ? static_cast<int>(seen->frame_index) : before);
+    // Drawn in any case: the noise of what follows does not depend on who is still there.
+    const Pose3 T_seen_here = noisy(T_map_seen.inverse() * robotAt(k_), 0.05, 0.01);
+    if (seen) {
       auto loop = addEdge<CEdgeLoopClosure>(graph, delta, {seen->id, keyframe->id});
-      const Pose3 T_map_seen = robotAt(static_cast<int>(seen->frame_index));
-      loop->T_1_2 = noisy(T_map_seen.inverse() * robotAt(k_), 0.05, 0.01);
+      loop->T_1_2 = T_seen_here;
       loop->setCovariance(isotropicCovariance(0.05, 0.01));
     }
   }
