@@ -8,6 +8,7 @@
 #include "dynemo/graph/edge_agent_motion.h"
 #include "dynemo/graph/edge_relative_pose.h"
 #include "local_marginal.h"
+#include "object_tie.h"
 #include "pair_information.h"
 #include "recovered_edge.h"
 
@@ -45,34 +46,17 @@ void sortUnique(std::vector<EdgeId>& ids) {
   ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
 }
 
-/// The edge that says that the object has not moved since its observation before this one, or null.
-const CEdgeIntraEntity* tieToPrevious(const CSceneGraph& graph, const CNodeEntity& seen) {
-  if (seen.semantic_class == SemanticClass::kAgent || seen.moved) return nullptr;
-  const auto& track = graph.tracks().at(seen.entity);
-  const auto here = std::find_if(track.begin(), track.end(),
-                                 [&](const auto& node) { return node->id == seen.id; });
-  if (here == track.begin() || here == track.end()) return nullptr;
-  for (const EdgeId id : graph.edgesOf(seen.id)) {
-    const auto* edge = dynamic_cast<const CEdgeIntraEntity*>(graph.edgeSlots()[id.value].get());
-    if (edge && edge->nodes[0] == (*std::prev(here))->id && edge->nodes[1] == seen.id &&
-        local(Pose3(), edge->T_1_2).isZero())
-      return edge;
-  }
-  return nullptr;
-}
-
 /// An unmoved object is where it was: observations tied to the one that leaves are tied to the one
-/// before it instead, as firmly as they were. A chain through all that left would get ever looser.
+/// that it is tied to instead, as firmly as they were. A chain through all that left would get ever
+/// looser.
 void rehang(const CSceneGraph& graph, NodeId seen, Departure& departure) {
-  const CEdgeIntraEntity* tie = tieToPrevious(graph, graph.getNode<CNodeEntity>(seen));
+  const CEdgeIntraEntity* tie = tieOf(graph, graph.getNode<CNodeEntity>(seen));
   if (!tie) return;
   for (const EdgeId id : graph.edgesOf(seen)) {
     const auto* edge = dynamic_cast<const CEdgeIntraEntity*>(graph.edgeSlots()[id.value].get());
     if (!edge || std::ranges::count(edge->nodes, tie->nodes[0]) > 0) continue;
-    auto copy = std::dynamic_pointer_cast<CEdgeBase>(edge->duplicateGetSmartPtr());
-    std::replace(copy->nodes.begin(), copy->nodes.end(), seen, tie->nodes[0]);
     std::erase(departure.factors, id);
-    departure.rehung.emplace_back(id, copy);
+    departure.rehung.emplace_back(id, carriedOver(*edge, *tie));
   }
 }
 

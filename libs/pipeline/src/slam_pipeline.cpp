@@ -5,6 +5,7 @@
 
 #include "dynemo/life/keyframe_retention.h"
 #include "dynemo/life/removal.h"
+#include "dynemo/life/settling.h"
 #include "dynemo/loops/without_closures.h"
 #include "dynemo/mapping/ground_plane.h"
 #include "dynemo/odometry/deskew.h"
@@ -261,6 +262,7 @@ void SlamPipeline::makeRoom(FrameTiming& timing) {
   const std::vector<NodeId> surplus = surplusKeyframes(graph_, params_.life);
   if (surplus.empty()) return;
   trail_.hang(surplus, graph_);
+  graph_.apply(settledTies(graph_, params_.life));
   for (const NodeId keyframe : surplus) {
     const GraphDelta delta = removalOf(graph_, keyframe, params_.life);
     loops_.forget(graph_, keyframe);

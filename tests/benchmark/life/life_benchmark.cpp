@@ -19,6 +19,7 @@
 #include "dynemo/life/keyframe_retention.h"
 #include "dynemo/life/keyframe_trail.h"
 #include "dynemo/life/removal.h"
+#include "dynemo/life/settling.h"
 #include "generated_truth.h"
 
 namespace dynemo {
@@ -62,7 +63,7 @@ class Run {
     const double start = cpuSeconds();
     if (life_.bounded) shrink();
     const double shrunk = cpuSeconds();
-    if (life_.bounded || removal_s_.size() % 10 == 0) optimizer_.optimize(graph_);
+    if (life_.bounded || (removal_s_.size() + 1) % 10 == 0) optimizer_.optimize(graph_);
     removal_s_.push_back(shrunk - start);
     seconds_.push_back(cpuSeconds() - start);
   }
@@ -100,6 +101,7 @@ class Run {
     const std::vector<NodeId> surplus = surplusKeyframes(graph_, life_);
     if (surplus.empty()) return;
     trail_.hang(surplus, graph_);
+    graph_.apply(settledTies(graph_, life_));
     for (const NodeId keyframe : surplus) graph_.apply(removalOf(graph_, keyframe, life_));
   }
 
