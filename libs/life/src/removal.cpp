@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "connection.h"
 #include "dynemo/graph/edge_agent_motion.h"
 #include "dynemo/graph/edge_relative_pose.h"
 #include "local_marginal.h"
@@ -105,6 +106,8 @@ struct Pair {
   CEdgeBase::Ptr edge;
   const CEdgeBase* same = nullptr;
   bool in_tree = false, is_odometry = false;
+  /// Odometry that says something.
+  bool is_firm_odometry = false;
   double mutual_information = 0.0;
 };
 
@@ -128,15 +131,15 @@ std::vector<Pair> possiblePairs(const CSceneGraph& graph, const Departure& depar
   return pairs;
 }
 
-/// The tree of the largest sum (C. Chow and C. Liu, 1968) that holds the odometry.
+/// The tree of the largest sum (C. Chow and C. Liu, 1968) that holds the odometry, if that is firm.
 void markTree(std::vector<Pair>& pairs, std::size_t nodes) {
   std::vector<std::size_t> order(pairs.size()), part(nodes);
   std::iota(order.begin(), order.end(), 0);
   std::iota(part.begin(), part.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t k) {
     const Pair &p = pairs[i], &q = pairs[k];
-    return p.is_odometry != q.is_odometry ? p.is_odometry
-                                          : p.mutual_information > q.mutual_information;
+    return p.is_firm_odometry != q.is_firm_odometry ? p.is_firm_odometry
+                                                    : p.mutual_information > q.mutual_information;
   });
   for (const std::size_t i : order) {
     const std::size_t a = part[pairs[i].a], b = part[pairs[i].b];
@@ -203,6 +206,13 @@ MatrixX conditioned(const MatrixX& information) {
                            MatrixX::Identity(information.rows(), information.rows());
 }
 
+/// A pair, what is known of it, and where that lies from the estimates.
+struct Candidate {
+  Pair pair;
+  PairMeasurement measured;
+  VectorX shift;
+};
+
 /// One removal in the making.
 class Removal {
  public:
@@ -222,29 +232,58 @@ class Removal {
       add(edge);
     }
     choosePairs();
-    for (std::size_t i = 0; i < pairs_.size(); ++i) insert(i);
+    for (std::size_t i = 0; i < chosen_.size(); ++i) insert(i);
     return std::move(delta_);
   }
 
  private:
   void choosePairs() {
     std::vector<Pair> possible = possiblePairs(graph_, departure_, marginal_);
+    Pair* vague_odometry = nullptr;
+    for (Pair& pair : possible) {
+      if (!pair.is_odometry) continue;
+      pair.is_firm_odometry = !isVague(candidateOf(pair));
+      if (!pair.is_firm_odometry) vague_odometry = &pair;
+    }
     markTree(possible, marginal_.nodes().size());
     const std::vector<bool> needed = lastTies(possible);
     for (const std::size_t i : strongest(possible, kPairsPerNode * marginal_.nodes().size())) {
-      const PairMeasurement m = measurementOf(marginal_, possible[i]);
-      VectorX both(m.size_a + m.size_b);
-      both << marginal_.mean().segment(m.at_a, m.size_a),
-          marginal_.mean().segment(m.at_b, m.size_b);
-      VectorX shift = m.J * both;
-      const bool vague = rotationPart(shift) >= kMaxShift_rad || isWeak(m.covariance, params_);
-      if (vague && !possible[i].is_odometry && !needed[i]) continue;
-      if (rotationPart(shift) >= kMaxShift_rad) shift.setZero();
-      pairs_.push_back(possible[i]);
-      measured_.push_back(m);
-      shifts_.push_back(shift);
+      Candidate candidate = candidateOf(possible[i]);
+      if (needed[i] || !isVague(candidate)) chosen_.push_back(std::move(candidate));
     }
-    information_ = pairInformation(marginal_.size(), measured_, kNextToNothing);
+    if (vague_odometry && !isHeldWithout(*vague_odometry)) {
+      vague_odometry->in_tree = true;
+      chosen_.push_back(candidateOf(*vague_odometry));
+    }
+    std::vector<PairMeasurement> measured;
+    for (const Candidate& candidate : chosen_) measured.push_back(candidate.measured);
+    information_ = pairInformation(marginal_.size(), measured, kNextToNothing);
+  }
+
+  Candidate candidateOf(const Pair& pair) const {
+    Candidate candidate{pair, measurementOf(marginal_, pair), {}};
+    const PairMeasurement& m = candidate.measured;
+    VectorX both(m.size_a + m.size_b);
+    both << marginal_.mean().segment(m.at_a, m.size_a), marginal_.mean().segment(m.at_b, m.size_b);
+    candidate.shift = m.J * both;
+    return candidate;
+  }
+
+  bool isVague(const Candidate& candidate) const {
+    return rotationPart(candidate.shift) >= kMaxShift_rad ||
+           isWeak(candidate.measured.covariance, params_);
+  }
+
+  /// Whether what has been chosen, and what is there, ties the keyframes before and after.
+  bool isHeldWithout(const Pair& odometry) const {
+    std::vector<std::pair<NodeId, NodeId>> chosen;
+    for (const Candidate& candidate : chosen_) {
+      const auto* edge = dynamic_cast<const CEdgeRelativePose*>(candidate.pair.edge.get());
+      if (edge && candidate.pair.edge != odometry.edge)
+        chosen.emplace_back(edge->nodes[0], edge->nodes[1]);
+    }
+    return isConnected(graph_, *departure_.before, *departure_.after,
+                       {departure_.nodes.begin(), departure_.nodes.end()}, chosen);
   }
 
   /// Of a node that would lose its last edge the best pair of the tree.
@@ -269,14 +308,15 @@ class Removal {
   }
 
   void insert(std::size_t i) {
-    const Pair& pair = pairs_[i];
+    const auto& [pair, measured, model_shift] = chosen_[i];
     const CEdgeBase::Ptr& edge = pair.edge;
-    const MatrixX known = *invertSpd(measured_[i].covariance);
-    const double share = information_[i].cwiseProduct(measured_[i].covariance).sum() /
-                         static_cast<double>(known.rows());
+    const MatrixX known = *invertSpd(measured.covariance);
+    const double share =
+        information_[i].cwiseProduct(measured.covariance).sum() / static_cast<double>(known.rows());
     if (!pair.in_tree && share < kLeastShare) return;
     MatrixX information = information_[i] + kNextToNothing * known;
-    VectorX shift = shifts_[i];
+    VectorX shift = model_shift;
+    if (rotationPart(shift) >= kMaxShift_rad) shift.setZero();
     if (pair.same) {
       const VectorX other = -residualOf(*pair.same);
       const MatrixX sum = information + pair.same->information();
@@ -309,10 +349,8 @@ class Removal {
   const LifeParams& params_;
   Departure departure_;
   LocalMarginal marginal_;
-  std::vector<Pair> pairs_;
-  std::vector<PairMeasurement> measured_;
+  std::vector<Candidate> chosen_;
   std::vector<MatrixX> information_;
-  std::vector<VectorX> shifts_;
   GraphDelta delta_;
 };
 
