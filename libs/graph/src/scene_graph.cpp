@@ -27,7 +27,7 @@ int stateSizeOfKind(const std::string& kind) {
 
 /// An edge reads its nodes' states without a check of its own: their number and sizes must be those
 /// of its kind.
-bool fitsNodes(const CEdgeBase& edge, const std::vector<CNodeBase::Ptr>& nodes) {
+bool fitsNodes(const CEdgeBase& edge, const Slots<CNodeBase::Ptr>& nodes) {
   const std::vector<std::string>& kinds = edgeType(edge.kind()).node_kinds;
   if (kinds.size() != edge.nodes.size()) return false;
   for (std::size_t i = 0; i < kinds.size(); ++i) {
@@ -53,7 +53,7 @@ void CSceneGraph::apply(const GraphDelta& delta) {
 void CSceneGraph::insertNode(const CNodeBase::Ptr& node) {
   if (node->id != nextNodeId()) throw std::logic_error("a new node's id must continue the graph's");
   nodes_.push_back(node);
-  edges_of_node_.emplace_back();
+  edges_of_node_.push_back({});
   ++node_count_;
   if (auto keyframe = std::dynamic_pointer_cast<CNodeKeyframe>(node)) {
     keyframes_.push_back(std::move(keyframe));
@@ -85,7 +85,7 @@ void CSceneGraph::insertEdge(const CEdgeBase::Ptr& edge) {
   }
   edges_.push_back(edge);
   ++edge_count_;
-  for (const NodeId node : edge->nodes) edges_of_node_[node.value].push_back(edge->id);
+  for (const NodeId node : edge->nodes) edges_of_node_.present(node.value).push_back(edge->id);
   topology_.insertEdge(edge->nodes.front().value, edge->nodes.back().value,
                        Topology::edge_t(EdgeHolder{edge}));
 }
@@ -93,7 +93,7 @@ void CSceneGraph::insertEdge(const CEdgeBase::Ptr& edge) {
 void CSceneGraph::removeEdge(EdgeId id) {
   const auto edge = id.value < edges_.size() ? edges_[id.value] : nullptr;
   if (!edge) throw std::logic_error("an edge to remove is not in the graph");
-  for (const NodeId node : edge->nodes) std::erase(edges_of_node_[node.value], id);
+  for (const NodeId node : edge->nodes) std::erase(edges_of_node_.present(node.value), id);
   const auto [first, last] = topology_.edges.equal_range(
       mrpt::graphs::TPairNodeIDs(edge->nodes.front().value, edge->nodes.back().value));
   for (auto it = first; it != last; ++it) {
@@ -101,7 +101,7 @@ void CSceneGraph::removeEdge(EdgeId id) {
     topology_.edges.erase(it);
     break;
   }
-  edges_[id.value].reset();
+  edges_.remove(id.value);
   --edge_count_;
 }
 
@@ -119,8 +119,8 @@ void CSceneGraph::removeNode(NodeId id) {
   eraseFrom(floors_);
   for (auto& [entity, track] : tracks_) eraseFrom(track);
   std::erase_if(tracks_, [](const auto& track) { return track.second.empty(); });
-  nodes_[id.value].reset();
-  std::vector<EdgeId>().swap(edges_of_node_[id.value]);
+  nodes_.remove(id.value);
+  edges_of_node_.remove(id.value);
   --node_count_;
 }
 
@@ -161,9 +161,7 @@ double CSceneGraph::edgeCost(const CEdgeBase& edge) const {
 
 double CSceneGraph::totalCost() const {
   double cost = 0.0;
-  for (const auto& edge : edges_) {
-    if (edge) cost += edgeCost(*edge);
-  }
+  for (const auto& edge : edges_) cost += edgeCost(*edge);
   return cost;
 }
 
@@ -173,9 +171,9 @@ void CSceneGraph::serializeTo(CArchive& out) const {
   put(out, T_map_odom);
   const auto write = [&out](const auto& slots) {
     out.WriteAs<std::uint32_t>(slots.size());
-    for (const auto& slot : slots) {
-      out << static_cast<bool>(slot);
-      if (slot) out << *slot;
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      out << static_cast<bool>(slots[i]);
+      if (slots[i]) out << *slots[i];
     }
   };
   write(nodes_);
@@ -212,8 +210,8 @@ void CSceneGraph::readFrom(CArchive& in) {
         insertNode(node);
       },
       [this] {
-        nodes_.emplace_back();
-        edges_of_node_.emplace_back();
+        nodes_.skip();
+        edges_of_node_.skip();
       });
   read(
       [this](const auto& object) {
@@ -221,7 +219,7 @@ void CSceneGraph::readFrom(CArchive& in) {
         if (!edge) throw DataError("a stored edge is not an edge");
         insertEdge(edge);
       },
-      [this] { edges_.emplace_back(); });
+      [this] { edges_.skip(); });
 }
 
 }  // namespace dynemo

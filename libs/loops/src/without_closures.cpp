@@ -6,11 +6,11 @@ namespace dynemo {
 
 std::vector<Pose3> keyframesWithoutClosures(const CSceneGraph& graph, const SolverParams& solver) {
   GraphDelta copies;
-  for (const auto& node : graph.nodeSlots()) {
+  for (std::size_t i = 0; i < graph.nodeSlots().size(); ++i) {
+    const auto& node = graph.nodeSlots()[i];
     // Removed nodes keep their ids: one without edges, which the optimiser leaves alone, stands in.
-    copies.nodes.push_back(node
-                               ? std::dynamic_pointer_cast<CNodeBase>(node->duplicateGetSmartPtr())
-                               : std::make_shared<CNodePlane>());
+    copies.nodes.push_back(node ? std::dynamic_pointer_cast<CNodeBase>(node->duplicateGetSmartPtr())
+                                : std::make_shared<CNodePlane>());
     copies.nodes.back()->id = {copies.nodes.size() - 1};
   }
   for (const auto& edge : graph.edgeSlots()) {

@@ -13,6 +13,7 @@
 #include "dynemo/graph/node_floor.h"
 #include "dynemo/graph/node_keyframe.h"
 #include "dynemo/graph/node_plane.h"
+#include "dynemo/graph/slots.h"
 
 namespace dynemo {
 
@@ -59,9 +60,9 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
   std::size_t nodeCount() const { return node_count_; }
   std::size_t edgeCount() const { return edge_count_; }
 
-  /// All nodes and edges by id, ascending; a removed one is a null pointer.
-  const std::vector<CNodeBase::Ptr>& nodeSlots() const { return nodes_; }
-  const std::vector<CEdgeBase::Ptr>& edgeSlots() const { return edges_; }
+  /// All nodes and edges by id. A removed one is a null pointer there, and is left out of loops.
+  const Slots<CNodeBase::Ptr>& nodeSlots() const { return nodes_; }
+  const Slots<CEdgeBase::Ptr>& edgeSlots() const { return edges_; }
 
   /// The node, or nullptr when there is none of that id and class.
   template <class Node>
@@ -110,9 +111,9 @@ class CSceneGraph : public mrpt::serialization::CSerializable {
   void removeNode(NodeId id);
   void readFrom(mrpt::serialization::CArchive& in);
 
-  std::vector<CNodeBase::Ptr> nodes_;
-  std::vector<CEdgeBase::Ptr> edges_;
-  std::vector<std::vector<EdgeId>> edges_of_node_;
+  Slots<CNodeBase::Ptr> nodes_;
+  Slots<CEdgeBase::Ptr> edges_;
+  Slots<std::vector<EdgeId>> edges_of_node_;
   std::size_t node_count_ = 0, edge_count_ = 0;
   std::vector<std::shared_ptr<CNodeKeyframe>> keyframes_;
   std::vector<std::shared_ptr<CNodePlane>> planes_;
