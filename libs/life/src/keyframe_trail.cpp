@@ -35,8 +35,19 @@ std::vector<const CNodeKeyframe*> nearestTo(const CNodeKeyframe& keyframe,
 
 }  // namespace
 
+KeyframeTrail::Hook::Hook(std::size_t other, const Pose3& T_other_this)
+    : entry(static_cast<std::uint32_t>(other)) {
+  Eigen::Map<Eigen::Vector3f>(t_m.data()) = T_other_this.t.cast<float>();
+  Eigen::Map<Eigen::Vector4f>(q_xyzw.data()) = T_other_this.quaternion().coeffs().cast<float>();
+}
+
+Pose3 KeyframeTrail::Hook::T_other_this() const {
+  const Eigen::Vector4d q = Eigen::Map<const Eigen::Vector4f>(q_xyzw.data()).cast<double>();
+  return {Eigen::Quaterniond(q), Eigen::Map<const Eigen::Vector3f>(t_m.data()).cast<double>()};
+}
+
 void KeyframeTrail::add(const CNodeKeyframe& keyframe) {
-  entries_.push_back({keyframe.id, keyframe.stamp, keyframe.T_odom_base, std::nullopt, {}});
+  entries_.push_back({keyframe.id, keyframe.stamp, keyframe.T_odom_base});
 }
 
 std::size_t KeyframeTrail::indexOf(NodeId keyframe) const {
@@ -56,18 +67,20 @@ void KeyframeTrail::hang(std::span<const NodeId> leaving, const CSceneGraph& gra
   for (const NodeId id : leaving) {
     Entry& entry = entries_[indexOf(id)];
     const auto& node = graph.getNode<CNodeKeyframe>(id);
-    entry.T_map_base = node.T_map_base();
-    for (const CNodeKeyframe* hook : nearestTo(node, staying))
-      entry.hooks.push_back({indexOf(hook->id), hook->T_map_base()});
+    entry.first_hook = static_cast<std::uint32_t>(hooks_.size());
+    for (const CNodeKeyframe* other : nearestTo(node, staying)) {
+      hooks_.emplace_back(indexOf(other->id), other->T_map_base().inverse() * node.T_map_base());
+      ++entry.hooks;
+    }
     ++left_;
   }
 }
 
 Pose3 KeyframeTrail::byFirstHooks(std::size_t index, const CSceneGraph& graph) const {
   Pose3 T_here_base;
-  while (entries_[index].T_map_base) {
-    const Hook& hook = entries_[index].hooks.front();
-    T_here_base = hook.T_map_base.inverse() * *entries_[index].T_map_base * T_here_base;
+  while (entries_[index].hooks > 0) {
+    const Hook& hook = hooks_[entries_[index].first_hook];
+    T_here_base = hook.T_other_this() * T_here_base;
     index = hook.entry;
   }
   return graph.getNode<CNodeKeyframe>(entries_[index].id).T_map_base() * T_here_base;
@@ -75,15 +88,15 @@ Pose3 KeyframeTrail::byFirstHooks(std::size_t index, const CSceneGraph& graph) c
 
 Pose3 KeyframeTrail::T_map_base(std::size_t index, const CSceneGraph& graph) const {
   const Entry& entry = entries_[index];
-  if (!entry.T_map_base) return graph.getNode<CNodeKeyframe>(entry.id).T_map_base();
-  const auto carriedBy = [&](const Hook& hook) {
-    return byFirstHooks(hook.entry, graph) * (hook.T_map_base.inverse() * *entry.T_map_base);
+  if (entry.hooks == 0) return graph.getNode<CNodeKeyframe>(entry.id).T_map_base();
+  const auto carriedBy = [&](std::uint32_t i) {
+    const Hook& hook = hooks_[entry.first_hook + i];
+    return byFirstHooks(hook.entry, graph) * hook.T_other_this();
   };
-  const Pose3 T_first = carriedBy(entry.hooks.front());
+  const Pose3 T_first = carriedBy(0);
   Vector6 sum = Vector6::Zero();
-  for (std::size_t i = 1; i < entry.hooks.size(); ++i)
-    sum += local(T_first, carriedBy(entry.hooks[i]));
-  return T_first.retract(sum / static_cast<double>(entry.hooks.size()));
+  for (std::uint32_t i = 1; i < entry.hooks; ++i) sum += local(T_first, carriedBy(i));
+  return T_first.retract(sum / static_cast<double>(entry.hooks));
 }
 
 }  // namespace dynemo

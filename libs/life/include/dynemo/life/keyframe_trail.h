@@ -1,9 +1,10 @@
 // Where every keyframe of a run is, also those that have left the graph.
 #pragma once
 
-#include <optional>
+#include <array>
+#include <cstdint>
+#include <deque>
 #include <span>
-#include <vector>
 
 #include "dynemo/graph/scene_graph.h"
 
@@ -27,24 +28,29 @@ class KeyframeTrail {
   std::size_t left() const { return left_; }
 
  private:
-  /// Another entry, and its pose when this one was hung on it.
+  /// Another entry, and where this one was from there when it was hung on it. A long life has many:
+  /// to a millionth of the distance.
   struct Hook {
-    std::size_t entry = 0;
-    Pose3 T_map_base;
+    Hook(std::size_t other, const Pose3& T_other_this);
+    Pose3 T_other_this() const;
+    std::uint32_t entry;
+    std::array<float, 3> t_m;
+    std::array<float, 4> q_xyzw;
   };
   struct Entry {
     NodeId id{};
     Stamp stamp;
     Pose3 T_odom_base;
-    /// Its pose when it left; empty while it is in the graph.
-    std::optional<Pose3> T_map_base;
-    std::vector<Hook> hooks;
+    /// In hooks_; none while it is in the graph.
+    std::uint32_t first_hook = 0, hooks = 0;
   };
   std::size_t indexOf(NodeId keyframe) const;
   /// Of an entry that others hang on: where it has left itself, by the first of its hooks alone.
   Pose3 byFirstHooks(std::size_t index, const CSceneGraph& graph) const;
 
-  std::vector<Entry> entries_;
+  // Grow at the end for ever, without copies of what is there.
+  std::deque<Entry> entries_;
+  std::deque<Hook> hooks_;
   std::size_t left_ = 0;
 };
 
