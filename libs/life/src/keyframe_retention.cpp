@@ -43,14 +43,15 @@ std::set<NodeId> protectedKeyframes(const CSceneGraph& graph) {
   for (const auto& keyframe : graph.keyframes()) {
     const bool first_of_floor = keyframe->floor && floors.insert(*keyframe->floor).second;
     if (first_of_floor || kept.empty()) kept.insert(keyframe->id);
-    const auto& edges = graph.edgesOf(keyframe->id);
-    if (std::any_of(edges.begin(), edges.end(),
-                    [&](EdgeId id) { return graph.edgeSlots()[id.value]->nodes.size() == 1; })) {
-      kept.insert(keyframe->id);
-    }
   }
   protectHistory(graph, kept);
   return kept;
+}
+
+bool hasPrior(const CSceneGraph& graph, NodeId keyframe) {
+  const auto& edges = graph.edgesOf(keyframe);
+  return std::any_of(edges.begin(), edges.end(),
+                     [&](EdgeId id) { return graph.edgeSlots()[id.value]->nodes.size() == 1; });
 }
 
 }  // namespace
@@ -71,7 +72,7 @@ std::vector<NodeId> surplusKeyframes(const CSceneGraph& graph, const LifeParams&
     if (!kept) kept = protectedKeyframes(graph);
     std::size_t excess = members.size() - capacity;
     for (auto member = members.rbegin(); member != members.rend() && excess > 0; ++member) {
-      if (kept->contains((*member)->id)) continue;
+      if (kept->contains((*member)->id) || hasPrior(graph, (*member)->id)) continue;
       surplus.push_back((*member)->id);
       --excess;
     }

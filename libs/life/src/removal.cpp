@@ -91,13 +91,21 @@ double logDeterminant(const MatrixX& m) {
   return 2.0 * Eigen::LLT<MatrixX>(m).matrixLLT().diagonal().array().log().sum();
 }
 
-/// Of two nodes, in nats.
-double mutualInformation(const LocalMarginal& marginal, std::size_t a, std::size_t b) {
+/// ln|Σ| of every node.
+std::vector<double> logDeterminants(const LocalMarginal& marginal) {
+  std::vector<double> all;
+  for (std::size_t i = 0; i < marginal.nodes().size(); ++i) {
+    const int at = marginal.offset(i), n = marginal.offset(i + 1) - at;
+    all.push_back(logDeterminant(marginal.covariance().block(at, at, n, n)));
+  }
+  return all;
+}
+
+/// ln|Σ| of two nodes together.
+double jointLogDeterminant(const LocalMarginal& marginal, std::size_t a, std::size_t b) {
   const int at_a = marginal.offset(a), n_a = marginal.offset(a + 1) - at_a;
   const int at_b = marginal.offset(b), n_b = marginal.offset(b + 1) - at_b;
-  const MatrixX joint = jointBlock(marginal.covariance(), at_a, n_a, at_b, n_b);
-  return 0.5 * (logDeterminant(joint.topLeftCorner(n_a, n_a)) +
-                logDeterminant(joint.bottomRightCorner(n_b, n_b)) - logDeterminant(joint));
+  return logDeterminant(jointBlock(marginal.covariance(), at_a, n_a, at_b, n_b));
 }
 
 /// Two nodes that an edge could tie.
@@ -108,13 +116,14 @@ struct Pair {
   bool in_tree = false, is_odometry = false;
   /// Odometry that says something.
   bool is_firm_odometry = false;
-  double mutual_information = 0.0;
+  double mutual_information = 0.0;  ///< in nats
 };
 
 std::vector<Pair> possiblePairs(const CSceneGraph& graph, const Departure& departure,
                                 const LocalMarginal& marginal) {
   std::vector<Pair> pairs;
   const auto& nodes = marginal.nodes();
+  const std::vector<double> alone = logDeterminants(marginal);
   for (std::size_t a = 0; a < nodes.size(); ++a) {
     for (std::size_t b = a + 1; b < nodes.size(); ++b) {
       const auto edge = edgeBetween(graph, departure, *nodes[a], *nodes[b]);
@@ -124,7 +133,7 @@ std::vector<Pair> possiblePairs(const CSceneGraph& graph, const Departure& depar
       pair.same = sameEdge(graph, *edge);
       if (pair.same) measureLike(*pair.same, *edge);
       pair.is_odometry = dynamic_cast<const CEdgeOdometry*>(edge.get()) != nullptr;
-      pair.mutual_information = mutualInformation(marginal, a, b);
+      pair.mutual_information = 0.5 * (alone[a] + alone[b] - jointLogDeterminant(marginal, a, b));
       pairs.push_back(std::move(pair));
     }
   }
