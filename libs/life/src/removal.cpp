@@ -24,6 +24,9 @@ constexpr double kMaxShift_rad = 0.3;
 constexpr double kLeastEigenvalue = 1e-9;
 /// More pairs say more, and cost more: of six nodes all, of many a few each.
 constexpr std::size_t kPairsPerNode = 3;
+/// Squares of the floor over which odometry stays, however vague: what holds the first keyframe,
+/// and with it the whole map, would else be forgotten bit by bit.
+constexpr double kNeighbourhood = 2.0;
 /// Of what is known of a pair; an edge that would say less is left out.
 constexpr double kLeastShare = 0.01;
 
@@ -114,8 +117,8 @@ struct Pair {
   CEdgeBase::Ptr edge;
   const CEdgeBase* same = nullptr;
   bool in_tree = false, is_odometry = false;
-  /// Odometry that says something.
-  bool is_firm_odometry = false;
+  /// Odometry that says something, or that ties neighbours.
+  bool is_kept = false;
   double mutual_information = 0.0;  ///< in nats
 };
 
@@ -140,15 +143,14 @@ std::vector<Pair> possiblePairs(const CSceneGraph& graph, const Departure& depar
   return pairs;
 }
 
-/// The tree of the largest sum (C. Chow and C. Liu, 1968) that holds the odometry, if that is firm.
+/// The tree of the largest sum (C. Chow and C. Liu, 1968) that holds the odometry, if that is kept.
 void markTree(std::vector<Pair>& pairs, std::size_t nodes) {
   std::vector<std::size_t> order(pairs.size()), part(nodes);
   std::iota(order.begin(), order.end(), 0);
   std::iota(part.begin(), part.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t k) {
     const Pair &p = pairs[i], &q = pairs[k];
-    return p.is_firm_odometry != q.is_firm_odometry ? p.is_firm_odometry
-                                                    : p.mutual_information > q.mutual_information;
+    return p.is_kept != q.is_kept ? p.is_kept : p.mutual_information > q.mutual_information;
   });
   for (const std::size_t i : order) {
     const std::size_t a = part[pairs[i].a], b = part[pairs[i].b];
@@ -248,25 +250,32 @@ class Removal {
  private:
   void choosePairs() {
     std::vector<Pair> possible = possiblePairs(graph_, departure_, marginal_);
-    Pair* vague_odometry = nullptr;
+    Pair* let_go = nullptr;
     for (Pair& pair : possible) {
       if (!pair.is_odometry) continue;
-      pair.is_firm_odometry = !isVague(candidateOf(pair));
-      if (!pair.is_firm_odometry) vague_odometry = &pair;
+      pair.is_kept = isBetweenNeighbours(pair) || !isVague(candidateOf(pair));
+      if (!pair.is_kept) let_go = &pair;
     }
     markTree(possible, marginal_.nodes().size());
     const std::vector<bool> needed = lastTies(possible);
     for (const std::size_t i : strongest(possible, kPairsPerNode * marginal_.nodes().size())) {
       Candidate candidate = candidateOf(possible[i]);
-      if (needed[i] || !isVague(candidate)) chosen_.push_back(std::move(candidate));
+      if (needed[i] || possible[i].is_kept || !isVague(candidate))
+        chosen_.push_back(std::move(candidate));
     }
-    if (vague_odometry && !isHeldWithout(*vague_odometry)) {
-      vague_odometry->in_tree = true;
-      chosen_.push_back(candidateOf(*vague_odometry));
+    if (let_go && !isHeldTogether()) {
+      let_go->in_tree = true;
+      chosen_.push_back(candidateOf(*let_go));
     }
     std::vector<PairMeasurement> measured;
     for (const Candidate& candidate : chosen_) measured.push_back(candidate.measured);
     information_ = pairInformation(marginal_.size(), measured, kNextToNothing);
+  }
+
+  bool isBetweenNeighbours(const Pair& odometry) const {
+    const auto at = [&](NodeId id) { return graph_.getNode<CNodeKeyframe>(id).T_map_base().t; };
+    const auto& keyframes = odometry.edge->nodes;
+    return (at(keyframes[0]) - at(keyframes[1])).norm() < kNeighbourhood * params_.cell_m;
   }
 
   Candidate candidateOf(const Pair& pair) const {
@@ -284,12 +293,11 @@ class Removal {
   }
 
   /// Whether what has been chosen, and what is there, ties the keyframes before and after.
-  bool isHeldWithout(const Pair& odometry) const {
+  bool isHeldTogether() const {
     std::vector<std::pair<NodeId, NodeId>> chosen;
     for (const Candidate& candidate : chosen_) {
       const auto* edge = dynamic_cast<const CEdgeRelativePose*>(candidate.pair.edge.get());
-      if (edge && candidate.pair.edge != odometry.edge)
-        chosen.emplace_back(edge->nodes[0], edge->nodes[1]);
+      if (edge) chosen.emplace_back(edge->nodes[0], edge->nodes[1]);
     }
     return isConnected(graph_, *departure_.before, *departure_.after,
                        {departure_.nodes.begin(), departure_.nodes.end()}, chosen);

@@ -13,11 +13,11 @@ namespace dynemo {
 /// they replace as pairs can (M. Mazuran, W. Burgard and G. D. Tipaldi, "Nonlinear factor recovery
 /// for long-term SLAM", IJRR 2016). All are relative, so that loops may still bend the map.
 ///
-/// The keyframes before and after it stay tied by odometry as long as that says something, or is
-/// all that holds them together; over half a lap it says nothing, and would tie places to each
-/// other that have nothing to do with one another. No node is left without an edge. Edges between
-/// observations of an agent are dropped. Throws std::logic_error for a keyframe that has a prior,
-/// and std::out_of_range when there is none of that id.
+/// The keyframes before and after it stay tied by odometry as long as that says something, they are
+/// neighbours, or it is all that holds them together; over half a lap it says nothing, and would
+/// tie places to each other that have nothing to do with one another. No node is left without an
+/// edge. Edges between observations of an agent are dropped. Throws std::logic_error for a keyframe
+/// that has a prior, and std::out_of_range when there is none of that id.
 GraphDelta removalOf(const CSceneGraph& graph, NodeId keyframe, const LifeParams& params);
 
 }  // namespace dynemo
