@@ -180,7 +180,8 @@ TEST(Export, RefusesWhatItCannotDo) {
                 "1700000020.000000000 to 1700000072.000000000 (+0 to +52.000)");
   expectError(exportRun(run, "tum", folder / "x", {"--at", "+1"}), kUsage, "shows all times");
   expectError(exportRun(run, "ply", folder / "x", {"--set", "cloud.nope=1"}), kUsage, "cloud.nope");
-  expectError(exportRun(run, "ply", folder / "no" / "x"), kData, "no/x");
+  writeBytes(folder / "file", "");
+  expectError(exportRun(run, "ply", folder / "file" / "x"), kData, "file");
   expectError(exportRun(run, "png", folder / "x.ply"), kUsage, ".ply is written by: ply");
   expectError(exportRun(run, "ply", folder / "x.JPG"), kUsage, "files that end in .ply");
   expectError(exportRun(run, "tum", folder / "x.tum"), kUsage, "format tum writes a folder");

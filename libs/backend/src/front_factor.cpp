@@ -233,7 +233,7 @@ const std::vector<int>& FrontFactor::solve(LiveProblem& problem, double toleranc
       return std::any_of(list.begin(), list.end(), [&](int v) { return moved_[v] != 0.0; });
     };
     const bool rows_moved = any_moved(front.rows);
-    if (recompute_[f] || rows_moved) solveFront(problem, front, tolerance);
+    if (recompute_[f] || rows_moved) solveFront(problem, f, tolerance);
     // Dirty fronts lie below dirty ones.
     if (recompute_[f] || rows_moved || any_moved(front.pivots)) {
       for (int c = front.first_child; c >= 0; c = tree_.front(c).next_sibling) {
@@ -276,7 +276,8 @@ void FrontFactor::solve(LiveProblem& problem, const std::vector<double>& gradien
   solve(problem, 0.0);
 }
 
-void FrontFactor::solveFront(LiveProblem& problem, const Front& front, double tolerance) {
+void FrontFactor::solveFront(LiveProblem& problem, int f, double tolerance) {
+  const Front& front = tree_.front(f);
   const int p = front.pivot_size, n = p + front.row_size, ld = n + 1;
   x_.resize(static_cast<std::size_t>(n) + 1);
   y_.resize(static_cast<std::size_t>(p));
@@ -285,6 +286,8 @@ void FrontFactor::solveFront(LiveProblem& problem, const Front& front, double to
     std::copy_n(problem.delta(v), problem.tangentSize(v), &x_[at]);
     at += problem.tangentSize(v);
   }
+  // What is decided about the newest nodes rests on where they are.
+  const bool is_new = recompute_[f] != 0;
   const double* const L = front.panel.data;
   for (int j = 0; j < p; ++j) y_[j] = L[static_cast<std::size_t>(j) * ld + ld - 1];
   backSubstitute(L, ld, n, p, x_.data(), y_.data());
@@ -304,6 +307,8 @@ void FrontFactor::solveFront(LiveProblem& problem, const Front& front, double to
       changed_.push_back(v);
       moved_[v] = step;
       std::copy_n(delta, problem.tangentSize(v), carried);
+    } else if (is_new && step > 0.0) {
+      changed_.push_back(v);
     }
   }
 }

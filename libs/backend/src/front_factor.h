@@ -63,9 +63,10 @@ class FrontFactor {
   /// Brings δ up to date, from the roots down, as far as it changes: below variables that moved by
   /// no more than `tolerance` standard deviations (given the variables that are eliminated later)
   /// since they were last carried down, nothing is visited. Returns the variables that moved by
-  /// more.
+  /// more, and those of fronts that have been factorised or corrected that moved at all: the newest
+  /// ones are exact.
   const std::vector<int>& solve(LiveProblem& problem, double tolerance);
-  /// Largest entry of the change of a variable's δ in that solution [m, rad]; 0 if not returned.
+  /// Largest entry of the change of a variable's δ that was carried down in that solution [m, rad].
   double lastStep(int variable) const { return moved_[variable]; }
 
   /// The same for all variables with another gradient, and the factorisation as it is.
@@ -92,7 +93,7 @@ class FrontFactor {
   void damp(const LiveProblem& problem, const Front& front);
   bool pivotsAreSound(const Front& front) const;
   void storeFront(Front& front);
-  void solveFront(LiveProblem& problem, const Front& front, double tolerance);
+  void solveFront(LiveProblem& problem, int front, double tolerance);
 
   FrontTree tree_;
   BlockArena arena_;

@@ -68,7 +68,8 @@ TEST_F(Program, WrongDataIsStatus3AndOneLine) {
   EXPECT_NE(message.find("none.tum"), std::string::npos);
   EXPECT_EQ(std::count(message.begin(), message.end(), '\n'), 1);
   EXPECT_EQ(run("--reference" + inFolder("gt.tum") + " /nonexistent"), 3);
-  EXPECT_EQ(run("--reference" + inFolder("gt.tum") + " --json /nonexistent/r.json" + inFolder("")),
+  EXPECT_EQ(run("--reference" + inFolder("gt.tum") + " --json" + inFolder("gt.tum/r.json") +
+                inFolder("")),
             3);
 }
 
