@@ -18,8 +18,6 @@ namespace {
 
 /// While a map is made ready.
 constexpr int kBetweenOptimizations = 250;
-/// Lives of larger maps take too long.
-constexpr int kLongestLife = 2000;
 
 /// A building of eight storeys with loops on each, which the robot visits over and over.
 test::WorldParams building() {
@@ -208,7 +206,6 @@ void BM_Marginals(benchmark::State& state, bool all_nodes) {
     for (const auto& [name, method] :
          {std::pair<std::string, Method>{"incremental", Method::kIncremental},
           {"windowed", Method::kWindowed}}) {
-      if (size > kLongestLife) break;
       add(
           "life/" + name, size, [m = method](benchmark::State& s) { BM_Life(s, m); }, 1);
     }

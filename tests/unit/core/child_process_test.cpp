@@ -96,7 +96,7 @@ TEST_P(ChildOutlives, NoSignalToItsParent) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Signals, ChildOutlives, testing::Values(SIGINT, SIGTERM, SIGKILL),
-                         [](const auto& info) { return "Signal" + std::to_string(info.param); });
+                         [](const auto& test) { return "Signal" + std::to_string(test.param); });
 
 }  // namespace
 }  // namespace dynemo

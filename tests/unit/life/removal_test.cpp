@@ -193,9 +193,8 @@ TEST_P(RemovalFromAMap, KeepsTheOdometryAsLongAsItSaysSomething) {
 
 TEST_P(RemovalFromAMap, LeavesNoNodeWithoutAnEdge) {
   remove(graph_, inTheMiddle(graph_, 70, 84));
-  for (const auto& node : graph_.nodeSlots()) {
-    if (node) EXPECT_FALSE(graph_.edgesOf(node->id).empty()) << node->kind() << " " << node->id;
-  }
+  for (const auto& node : graph_.nodeSlots())
+    EXPECT_FALSE(graph_.edgesOf(node->id).empty()) << node->kind() << " " << node->id;
 }
 
 TEST_P(RemovalFromAMap, KeepsWhatWasSeenOfWalls) {
