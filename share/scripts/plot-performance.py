@@ -115,7 +115,7 @@ def pose_graph_table(found):
 
 def gnuplot(name, commands):
     file = DOC / "images" / "performance" / f"{name}.svg"
-    script = (f"set terminal svg size {SVG_SIZE} font 'sans,13' background 'white'\nset output '{file}'\n"
+    script = (f"set terminal svg noenhanced size {SVG_SIZE} font 'sans,13' background 'white'\nset output '{file}'\n"
               "set grid\nset key left top\n" + commands)
     subprocess.run(["gnuplot"], input=script, text=True, check=True)
 
