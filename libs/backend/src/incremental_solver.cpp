@@ -194,7 +194,7 @@ std::size_t IncrementalSolver::tangentSize() const {
 }
 
 bool IncrementalSolver::renewalIsDue() const {
-  if (needs_build_) return true;
+  if (needs_build_ || work_on_fill_ > renewal_work_) return true;
   if (work_.size() < 2 * kWorkWindow) return false;
   // The average over the time between two renewals is least when the present step costs as much.
   const double total = std::accumulate(work_.begin(), work_.end(), renewal_work_);
@@ -234,7 +234,7 @@ void IncrementalSolver::renew() {
   fresh_order_.reset();
   needs_build_ = false;
   work_.clear();
-  renewal_work_ = 0.0;
+  renewal_work_ = work_on_fill_ = 0.0;
   renewed_ = true;
 }
 
@@ -346,6 +346,20 @@ void IncrementalSolver::prepare(OptimizationReport& report) {
   orderAnew();
 }
 
+void IncrementalSolver::account(double work) {
+  const int n = problem_.variables();
+  const double flops = factor_.tree().flops() / n;
+  if (renewed_) {
+    renewal_work_ = work + n * (n < kMany ? kRenewalPriceOfFew : kRenewalPriceOfMany);
+    fresh_flops_ = flops;
+  } else {
+    work_.push_back(work);
+    // When it has cost as much as a renewal, one would have been better before.
+    work_on_fill_ += work * std::max(0.0, 1.0 - fresh_flops_ / flops);
+  }
+  renewed_ = false;
+}
+
 bool IncrementalSolver::solve(OptimizationReport& report) {
   const SingleThreaded single_threaded;
   unmark(is_changed_, changed_);
@@ -386,13 +400,7 @@ bool IncrementalSolver::solve(OptimizationReport& report) {
     if (pending_.empty() && stale_.empty()) break;
   }
   if (report.cost_after > report.cost_before * (1.0 + kCostRounding) + kCostRounding) return false;
-  if (renewed_) {
-    const int n = problem_.variables();
-    renewal_work_ = work + n * (n < kMany ? kRenewalPriceOfFew : kRenewalPriceOfMany);
-  } else {
-    work_.push_back(work);
-  }
-  renewed_ = false;
+  account(work);
   report.stop = StopReason::kConverged;
   return true;
 }

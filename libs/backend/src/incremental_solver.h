@@ -64,6 +64,7 @@ class IncrementalSolver {
   void addNew(const CSceneGraph& graph);
   void takeState(int variable);
   bool renewalIsDue() const;
+  void account(double work);
   void orderAnew();
   void renew();
   void attendToPending();
@@ -102,6 +103,8 @@ class IncrementalSolver {
   // Work since the order was renewed [flop].
   std::vector<double> work_;
   double renewal_work_ = 0.0;
+  double fresh_flops_ = 0.0;   ///< of the whole tree, per variable
+  double work_on_fill_ = 0.0;  ///< what steps took for fill that has come since
 };
 
 }  // namespace dynemo::backend
