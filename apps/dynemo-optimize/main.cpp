@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <iterator>
 #include <sstream>
 #include <string>
 
@@ -74,11 +75,12 @@ std::string chooseStart(CSceneGraph& graph, const std::string& initial) {
 void restoreAnchor(CSceneGraph& graph, const Pose3& T_map_anchor) {
   const Pose3 T_map_moved = T_map_anchor * graph.keyframes().front()->T_map_node.inverse();
   for (const auto& keyframe : graph.keyframes())
-    keyframe->T_map_node = (T_map_moved * keyframe->T_map_node).normalized();
+    if (!graph.edgesOf(keyframe->id).empty())
+      keyframe->T_map_node = (T_map_moved * keyframe->T_map_node).normalized();
 }
 
-void writeResult(const Options& options, const G2oContents& contents) {
-  std::ifstream in(options.graph, std::ios::binary);
+void writeResult(const Options& options, const std::string& original, const G2oContents& contents) {
+  std::istringstream in(original);
   std::ostringstream text;
   rewriteG2o(in, options.graph, contents, text);
   writeFileAtomically(options.output, text.str());
@@ -88,11 +90,21 @@ double secondsSince(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// All of it at once: a pipe can be read only once.
+std::string readText(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(in), {}};
+  if (!in) throw DataError(file + ": cannot be read");
+  return text;
+}
+
 int optimize(const Options& options) {
   G2oReadOptions reading;
   reading.residual = G2oReadOptions::Residual::kG2o;
   if (options.repair) reading.indefinite = G2oReadOptions::Indefinite::kRepair;
-  G2oContents contents = readG2o(options.graph, reading);
+  const std::string text = readText(options.graph);
+  std::istringstream in(text);
+  G2oContents contents = readG2o(in, options.graph, reading);
   CSceneGraph& graph = contents.graph;
   if (contents.relative_edges == 0) throw DataError(options.graph + ": holds no edge");
 
@@ -116,7 +128,7 @@ int optimize(const Options& options) {
   std::printf("steps       %d, %s\n", report.iterations, stopReasonName(report.stop));
   std::printf("time        %.3f s, of which the start took %.3f s\n", total_s, start_s);
   if (std::fflush(stdout) != 0) throw DataError("standard output: cannot be written");
-  if (!options.output.empty()) writeResult(options, contents);
+  if (!options.output.empty()) writeResult(options, text, contents);
   return static_cast<int>(ExitStatus::kOk);
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "cholmod_context.h"
+#include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
 
 namespace dynemo {
@@ -24,6 +25,7 @@ struct Relation {
 struct PoseGraph {
   std::vector<NodeId> nodes;  ///< the poses that some relation names, ascending
   std::vector<Relation> relations;
+  std::vector<char> has_prior;  ///< per pose
   std::vector<int> free_index;  ///< per pose; −1 for the fixed one of each part
 
   int freePoses() const {
@@ -37,7 +39,7 @@ int rootOf(std::vector<int>& parent, int i) {
   return i;
 }
 
-/// Fixes the first pose of every connected part and numbers the others.
+/// Fixes the first pose of every connected part, or the first with a prior, and numbers the others.
 void chooseFreePoses(PoseGraph& graph) {
   std::vector<int> parent(graph.nodes.size());
   std::iota(parent.begin(), parent.end(), 0);
@@ -45,10 +47,15 @@ void chooseFreePoses(PoseGraph& graph) {
     const int a = rootOf(parent, r.from), b = rootOf(parent, r.to);
     parent[std::max(a, b)] = std::min(a, b);
   }
-  int next = 0;
-  for (std::size_t i = 0; i < parent.size(); ++i) {
-    graph.free_index.push_back(parent[i] == static_cast<int>(i) ? -1 : next++);
+  std::vector<int> fixed(parent.size(), -1);
+  const int poses = static_cast<int>(parent.size());
+  for (int i = 0; i < poses; ++i) {
+    int& of_part = fixed[rootOf(parent, i)];
+    if (of_part < 0 || (graph.has_prior[i] && !graph.has_prior[of_part])) of_part = i;
   }
+  int next = 0;
+  for (int i = 0; i < poses; ++i)
+    graph.free_index.push_back(fixed[rootOf(parent, i)] == i ? -1 : next++);
 }
 
 PoseGraph poseGraphOf(const CSceneGraph& scene) {
@@ -65,6 +72,12 @@ PoseGraph poseGraphOf(const CSceneGraph& scene) {
     if (index[i] < 0) continue;
     index[i] = static_cast<int>(graph.nodes.size());
     graph.nodes.push_back({i});
+  }
+  graph.has_prior.assign(graph.nodes.size(), 0);
+  for (const auto& edge : scene.edgeSlots()) {
+    const auto* prior = dynamic_cast<const CEdgePosePrior*>(edge.get());
+    if (prior && index[prior->nodes[0].value] >= 0)
+      graph.has_prior[static_cast<std::size_t>(index[prior->nodes[0].value])] = 1;
   }
   for (const auto& slot : scene.edgeSlots()) {
     const CEdgeRelativePose* edge = relative(slot);

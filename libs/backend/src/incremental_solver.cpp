@@ -363,7 +363,11 @@ void IncrementalSolver::account(double work) {
 bool IncrementalSolver::solve(OptimizationReport& report) {
   const SingleThreaded single_threaded;
   unmark(is_changed_, changed_);
-  if (!needs_build_) start_.run(problem_, new_);
+  if (!needs_build_) {
+    start_.run(problem_, new_);
+    // A covariance may have been asked for since they came.
+    for (const int v : new_) takeState(v);
+  }
   new_.clear();
   prepare(report);
   if (fresh_order_) {
@@ -374,6 +378,9 @@ bool IncrementalSolver::solve(OptimizationReport& report) {
   report.cost_before = report.cost_after = problem_.cost();
   if (!std::isfinite(report.cost_before)) return false;
 
+  // What is neglected may raise the cost; more than that is another matter.
+  const double highest =
+      report.cost_before * (1.0 + kCostRounding + params_.neglected_share) + kCostRounding;
   double work = 0.0, last_mismatch = std::numeric_limits<double>::infinity();
   for (int i = 0;; ++i) {
     if (!updateModel(report)) return false;
@@ -387,8 +394,7 @@ bool IncrementalSolver::solve(OptimizationReport& report) {
     const double cost = problem_.cost();
     if (!std::isfinite(cost)) return false;
     const double mismatch = std::abs(cost - model);
-    const bool good =
-        mismatch <= kNonlinearity * cost && cost <= report.cost_before * (1.0 + kCostRounding);
+    const bool good = mismatch <= kNonlinearity * cost && cost <= highest;
     insists_ = !good && (cost > report.cost_after || mismatch > kSlowContraction * last_mismatch);
     report.cost_after = cost;
     last_mismatch = mismatch;
@@ -399,7 +405,7 @@ bool IncrementalSolver::solve(OptimizationReport& report) {
     if (good) break;
     if (pending_.empty() && stale_.empty()) break;
   }
-  if (report.cost_after > report.cost_before * (1.0 + kCostRounding) + kCostRounding) return false;
+  if (report.cost_after > highest) return false;
   account(work);
   report.stop = StopReason::kConverged;
   return true;

@@ -22,6 +22,8 @@ constexpr double kNeglectedCost = 3e-4;
 /// raised.
 constexpr double kLeastCarried = 1e-6, kMostCarried = 5e-3;
 constexpr double kAdjustment = 1.5, kLittleNeglected = 0.2;
+/// What is left undone below nodes that stand still a lower limit does not reach.
+constexpr int kMostRounds = 3;
 
 }  // namespace
 
@@ -166,7 +168,7 @@ void WindowSolver::carryOn(CSceneGraph& graph) {
   carried_ = offset_;
   const LiveProblem& map = prior_.map().problem();
   const VectorX weights = prior_.information() * offset_;
-  while (true) {
+  for (int round = 0; round < kMostRounds; ++round) {
     for (const int v : follower_.follow(prior_.columns(), weights, carried_above_)) {
       const CNodeBase& node = *map.node(v);
       if (problem_.variableOf(node.id) >= 0) continue;
@@ -209,8 +211,8 @@ bool WindowSolver::covariance(const CSceneGraph& graph, std::span<const NodeId> 
     functions.block(0, begin[i], prior_.size(), size) =
         prior_.information() * others[i].with_touched;
   }
-  joint = problem_.factors() > 0 ? quadraticForm(problem_, factor_, functions)
-                                 : MatrixX::Zero(begin.back(), begin.back());
+  joint = problem_.variables() > 0 ? quadraticForm(problem_, factor_, functions)
+                                   : MatrixX::Zero(begin.back(), begin.back());
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     for (std::size_t j = 0; j < nodes.size(); ++j) {
       if (others[i].columns.fronts.empty() || others[j].columns.fronts.empty()) continue;

@@ -74,6 +74,9 @@ bool WindowedSolver::settle(CSceneGraph& graph, OptimizationReport& report) {
   tier.solver.synchronize(graph, tier.moved);
   tier.moved.clear();
   tier.edges = graph.nextEdgeId();
+  report.nodes = tier.solver.nodes();
+  report.edges = graph.edgeCount();
+  report.tangent_size = tier.solver.tangentSize();
   if (!tier.solver.solve(report)) return false;
   write(graph);
   return true;

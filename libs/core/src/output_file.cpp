@@ -37,9 +37,26 @@ void prepareFolderOf(const fs::path& file) {
   if (failure) throw DataError(file.string() + ": cannot be written: " + failure.message());
 }
 
-void writeFileAtomically(const fs::path& file, const std::string& content) {
-  const fs::path temporary = file.string() + ".part";
+namespace {
+
+/// Devices and pipes stay what they are.
+void writeInto(const fs::path& file, const std::string& content) {
+  std::ofstream out(file, std::ios::binary);
+  out.write(content.data(), static_cast<std::streamsize>(content.size()));
+  out.close();
+  if (!out) throw DataError(file.string() + ": cannot be written");
+}
+
+}  // namespace
+
+void writeFileAtomically(const fs::path& name, const std::string& content) {
   std::error_code ignored;
+  // A link stays one, too: what it leads to is replaced.
+  const fs::path file = fs::is_symlink(name, ignored) ? fs::weakly_canonical(name, ignored) : name;
+  const fs::file_status there = fs::status(file, ignored);
+  if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_directory(there))
+    return writeInto(file, content);
+  const fs::path temporary = file.string() + ".part";
   {
     std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
     out.write(content.data(), static_cast<std::streamsize>(content.size()));

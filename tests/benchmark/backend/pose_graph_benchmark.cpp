@@ -41,7 +41,7 @@ void BM_PoseGraph(benchmark::State& state, const std::string& name, Start from) 
   phases.show(state);
 }
 
-/// From the file's own guess, whatever it is worth: as `dynemo-optimize --chordal` does.
+/// From the file's own guess, whatever it is worth: as `dynemo-optimize --initial chordal` does.
 void BM_PoseGraphChordal(benchmark::State& state, const std::string& name) {
   auto graph = publicGraph(state, name, Start::kFile);
   if (!graph) return;

@@ -4,6 +4,7 @@
 
 #include "dynemo/backend/g2o_io.h"
 #include "dynemo/backend/optimizer.h"
+#include "dynemo/graph/edge_prior.h"
 #include "dynemo/graph/edge_relative_pose.h"
 #include "generated_graph.h"
 #include "pose_graph_files.h"
@@ -47,6 +48,23 @@ TEST(ChordalInitialization, SolvesExactGraphsFromAnyStart) {
       EXPECT_LT(local(truth[i], graph.keyframes()[i]->T_map_node).norm(), 1e-9) << "pose " << i;
     }
   }
+}
+
+TEST(ChordalInitialization, APoseWithAPriorStays) {
+  std::vector<Pose3> truth;
+  CSceneGraph graph = exactRings(1, 8, truth);
+  const NodeId fixed = graph.keyframes()[5]->id;
+  const auto prior = std::make_shared<CEdgePosePrior>();
+  prior->id = graph.nextEdgeId();
+  prior->nodes = {fixed};
+  prior->T_map_node = graph.keyframes()[5]->T_map_node;
+  prior->setInformation(MatrixX::Identity(6, 6));
+  GraphDelta delta;
+  delta.edges = {prior};
+  graph.apply(delta);
+  ASSERT_TRUE(initializeChordal(graph));
+  EXPECT_LT(local(prior->T_map_node, graph.keyframes()[5]->T_map_node).norm(), 1e-12);
+  EXPECT_LT(graph.totalCost(), 1e-9);
 }
 
 TEST(ChordalInitialization, NothingToDoIsNoFailure) {

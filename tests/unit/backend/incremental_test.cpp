@@ -121,6 +121,72 @@ TEST_P(Incremental, SameInputSameBytes) {
 INSTANTIATE_TEST_SUITE_P(Worlds, Incremental,
                          ::testing::Combine(::testing::Values(1, 2, 3, 108), ::testing::Bool()));
 
+/// Steps and last states of a life in which somebody asks for a covariance before each one.
+std::pair<int, std::vector<double>> stepsOfALife(bool asks) {
+  GeneratedWorld world({.seed = 9});
+  CSceneGraph graph;
+  Optimizer optimizer({});
+  int steps = 0;
+  for (int k = 0; k < 80; ++k) {
+    graph.apply(world.nextKeyframe(graph));
+    const std::vector<NodeId> newest = {graph.keyframes().back()->id};
+    if (asks && k > 0) {
+      EXPECT_TRUE(optimizer.marginalCovariance(graph, newest).has_value());
+    }
+    steps += optimizer.optimize(graph).iterations;
+  }
+  return {steps, statesOf(graph)};
+}
+
+TEST(IncrementalSolver, CovariancesBeforeAStepDoNotSpoilIt) {
+  const auto [steps, states] = stepsOfALife(false);
+  const auto [steps_asked, states_asked] = stepsOfALife(true);
+  EXPECT_LE(steps_asked, steps + steps / 20);
+  EXPECT_LT(largestDifference(states, states_asked), 1e-3);
+}
+
+TEST(IncrementalSolver, ARobotThatStandsStillNeedsNoBatchSolution) {
+  // It sees the same from the same place, with noise: hardly anything to gain.
+  GeneratedWorld world({.seed = 10});
+  CSceneGraph graph;
+  Optimizer optimizer({});
+  std::mt19937_64 rng(4);
+  std::normal_distribution<double> noise;
+  for (int k = 0; k < 60; ++k) {
+    graph.apply(world.nextKeyframe(graph));
+    optimizer.optimize(graph);
+  }
+  int factorizations = 0;
+  for (int k = 0; k < 60; ++k) {
+    const CNodeKeyframe& last = *graph.keyframes().back();
+    auto keyframe = std::make_shared<CNodeKeyframe>();
+    keyframe->id = graph.nextNodeId();
+    keyframe->T_map_node = keyframe->T_map_node_first = last.T_map_node;
+    auto edge = std::make_shared<CEdgeOdometry>();
+    edge->id = graph.nextEdgeId();
+    edge->nodes = {last.id, keyframe->id};
+    edge->T_1_2 = Pose3::translation(1e-3 * noise(rng), 1e-3 * noise(rng), 0.0);
+    edge->setInformation(1e4 * MatrixX::Identity(6, 6));
+    auto closure = std::make_shared<CEdgeLoopClosure>();
+    closure->id = {edge->id.value + 1};
+    closure->nodes = {graph.keyframes()[40]->id, keyframe->id};
+    closure->T_1_2 = graph.keyframes()[40]->T_map_node.inverse() * last.T_map_node *
+                     Pose3::translation(1e-3 * noise(rng), 1e-3 * noise(rng), 0.0);
+    closure->setInformation(1e4 * MatrixX::Identity(6, 6));
+    GraphDelta delta;
+    delta.nodes = {keyframe};
+    delta.edges = {edge, closure};
+    graph.apply(delta);
+    const OptimizationReport report = optimizer.optimize(graph);
+    ASSERT_TRUE(report.usable());
+    // A batch solution tells of no renewal but of a linearisation of everything.
+    factorizations += report.factorizations;
+  }
+  EXPECT_LE(factorizations, 66);
+  const double cost = graph.totalCost();
+  EXPECT_LT(cost, Optimizer(batch()).optimize(graph).cost_after * (1.0 + kRelativeCost));
+}
+
 /// A map in the middle of its life.
 class MidLife : public ::testing::Test {
  protected:

@@ -168,6 +168,37 @@ TEST(Windowed, CovariancesAreThoseOfTheWholeGraph) {
   EXPECT_LT((*joint - *expected).norm(), 0.02 * expected->norm());
 }
 
+TEST(Windowed, CovariancesOutlastEdgesThatComeAndGo) {
+  Life r(8);
+  for (int k = 0; k < 60; ++k) r.grow();
+  const std::vector<NodeId> node = {r.graph.keyframes()[30]->id};
+  // An answer of the whole map, after which the window is empty.
+  GraphDelta removal;
+  removal.removed_edges = {r.graph.edgesOf(r.graph.keyframes()[20]->id).back()};
+  r.graph.apply(removal);
+  r.optimizer.optimize(r.graph);
+  const auto before = r.optimizer.marginalCovariance(r.graph, node);
+  ASSERT_TRUE(before) << before.error();
+  auto closure = std::make_shared<CEdgeLoopClosure>();
+  closure->id = r.graph.nextEdgeId();
+  closure->nodes = {r.graph.keyframes()[10]->id, node[0]};
+  closure->T_1_2 =
+      r.graph.keyframes()[10]->T_map_node.inverse() * r.graph.keyframes()[30]->T_map_node;
+  closure->setInformation(1e4 * MatrixX::Identity(6, 6));
+  GraphDelta delta;
+  delta.edges = {closure};
+  r.graph.apply(delta);
+  const auto tied = r.optimizer.marginalCovariance(r.graph, node);
+  ASSERT_TRUE(tied) << tied.error();
+  EXPECT_LT(tied->trace(), before->trace());
+  GraphDelta undo;
+  undo.removed_edges = {closure->id};
+  r.graph.apply(undo);
+  const auto after = r.optimizer.marginalCovariance(r.graph, node);
+  ASSERT_TRUE(after) << after.error();
+  EXPECT_NEAR(after->trace(), before->trace(), 1e-6 * before->trace());
+}
+
 TEST(Windowed, SurvivesStatesThatAreNotNumbers) {
   Life r(9);
   for (int k = 0; k < 60; ++k) r.grow();

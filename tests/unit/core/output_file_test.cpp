@@ -1,6 +1,8 @@
 #include "dynemo/core/output_file.h"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -79,6 +81,25 @@ TEST_F(OutputFile, TheFolderOfAFileIsMadeBeforehand) {
           << e.what();
     }
   }
+}
+
+TEST_F(OutputFile, AtomicWriteLeavesLinksAndPipesWhatTheyAre) {
+  writeFileAtomically(folder_ / "there.txt", "old");
+  fs::create_symlink(folder_ / "there.txt", folder_ / "link.txt");
+  writeFileAtomically(folder_ / "link.txt", "new");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link.txt"));
+  EXPECT_EQ(contentOf(folder_ / "there.txt"), "new");
+
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = open(pipe.c_str(), O_RDONLY | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  writeFileAtomically(pipe, "through");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  char read_back[16] = {};
+  EXPECT_EQ(read(reader, read_back, sizeof(read_back)), 7);
+  EXPECT_STREQ(read_back, "through");
+  close(reader);
 }
 
 TEST_F(OutputFile, AtomicWriteReplacesAndLeavesNothingBehind) {

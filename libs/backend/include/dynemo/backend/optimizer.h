@@ -63,7 +63,7 @@ class Optimizer {
   Optimizer& operator=(Optimizer&&) noexcept;
 
   /// Lowers the graph's cost from its current estimates, by the method of the parameters, and writes the result
-  /// back; on failure the estimates stay as they were. Nodes without edges are left alone; a free gauge is held by
+  /// back; on failure the estimates stay as they were. (By the other methods than batch the cost may rise by what is neglected.) Nodes without edges are left alone; a free gauge is held by
   /// the damping. An edge that was there at an earlier call must not have changed since: replace it instead.
   OptimizationReport optimize(CSceneGraph& graph);
   /// The same in batch, to convergence, whatever the method.

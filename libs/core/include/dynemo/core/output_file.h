@@ -28,7 +28,8 @@ class AppendFile {
 void prepareFolderOf(const std::filesystem::path& file);
 
 /// Replaces `file` by `content` in one step (a temporary file beside it, renamed). Throws
-/// DataError, leaving an earlier version in place, when it cannot be written.
+/// DataError, leaving an earlier version in place, when it cannot be written. Where `file` is a
+/// link, what it leads to is replaced; a device or a pipe is written to.
 void writeFileAtomically(const std::filesystem::path& file, const std::string& content);
 
 /// Replaces `folder` by one that holds exactly these files (content by name): complete or absent as
