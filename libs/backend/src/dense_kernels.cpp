@@ -104,7 +104,8 @@ DYNEMO_INLINE void subtractDots(const double* a, int ld, const double* x, int n,
 #pragma GCC unroll 8
   for (int c = 0; c < kColumns; ++c) {
     double sum = 0.0;
-    for (int k = i; k < n; ++k) sum += *at(a, ld, k, c) * x[k];
+    // Said outright: a compiler that takes these products side by side would not fuse them.
+    for (int k = i; k < n; ++k) sum = std::fma(*at(a, ld, k, c), x[k], sum);
     for (int l = 0; l < kLanes; ++l) sum += partial[c][l];
     y[c] -= sum;
   }
